@@ -1,0 +1,58 @@
+#pragma once
+/// The last `Capacity` items pushed, oldest first; pushing on a full buffer forgets the oldest.
+
+#include <array>
+#include <cstddef>
+#include <utility>
+
+#include "plumbline/core/assert.hpp"
+
+namespace plumbline {
+
+template <class T, std::size_t Capacity>
+class RingBuffer {
+  static_assert(Capacity > 0, "plumbline: a ring buffer needs room for one item");
+
+ public:
+  static constexpr std::size_t capacity() { return Capacity; }
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  bool full() const { return size_ == Capacity; }
+  void clear() { size_ = 0; }
+
+  void push_back(T value) {
+    items_[index(size_)] = std::move(value);
+    if (full()) {
+      first_ = index(1);
+    } else {
+      ++size_;
+    }
+  }
+
+  void pop_front() {
+    PLUMBLINE_ASSERT(size_ > 0);
+    first_ = index(1);
+    --size_;
+  }
+
+  /// Item i, 0 is the oldest.
+  T& operator[](std::size_t i) {
+    PLUMBLINE_ASSERT(i < size_);
+    return items_[index(i)];
+  }
+  const T& operator[](std::size_t i) const {
+    PLUMBLINE_ASSERT(i < size_);
+    return items_[index(i)];
+  }
+  const T& front() const { return (*this)[0]; }
+  const T& back() const { return (*this)[size_ - 1]; }
+
+ private:
+  std::size_t index(std::size_t i) const { return (first_ + i) % Capacity; }
+
+  std::array<T, Capacity> items_{};
+  std::size_t first_ = 0;
+  std::size_t size_ = 0;
+};
+
+}  // namespace plumbline

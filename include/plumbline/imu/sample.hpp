@@ -1,0 +1,15 @@
+#pragma once
+/// One reading of an inertial sensor, in the body (= IMU) frame.                             docs/conventions.md
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/time.hpp"
+
+namespace plumbline {
+
+struct ImuSample {
+  TimeNs t_ns = 0;
+  Vec<double, 3> gyro = Vec<double, 3>::Zero();   ///< angular rate [rad/s]
+  Vec<double, 3> accel = Vec<double, 3>::Zero();  ///< specific force [m/s^2]; (0, 0, +9.81) at rest and level
+};
+
+}  // namespace plumbline

@@ -1,0 +1,52 @@
+#pragma once
+/// The one retraction of the library: right, rotation first.                                docs/conventions.md
+///
+///   plus(T, [dphi; dp])  = (R Exp(dphi), p + R dp)                                                           (1)
+///   minus(T1, T0)        = [Log(R0^T R1); R0^T (p1 - p0)],  plus(T0, minus(T1, T0)) = T1                     (2)
+///   d minus(T, T0) / dT  = blkdiag(Jr^-1(Log(R0^T R)), R0^T R)                                               (3)
+/// Vectors are additive.
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/lie/se3.hpp"
+#include "plumbline/lie/so3.hpp"
+
+namespace plumbline {
+
+template <class S>
+SO3<S> plus(const SO3<S>& R, const Vec<S, 3>& dphi) {
+  return R * SO3<S>::exp(dphi);
+}
+
+template <class S>
+SE3<S> plus(const SE3<S>& T, const Vec<S, 6>& d) {
+  return SE3<S>(plus(T.rotation(), Vec<S, 3>(d.template head<3>())), T.p() + T.rotation() * Vec<S, 3>(d.template tail<3>()));
+}
+
+template <class S, int N>
+Vec<S, N> plus(const Vec<S, N>& x, const Vec<S, N>& d) {
+  return x + d;
+}
+
+template <class S>
+Vec<S, 3> minus(const SO3<S>& R1, const SO3<S>& R0) {
+  return (R0.inverse() * R1).log();
+}
+
+template <class S>
+Vec<S, 6> minus(const SE3<S>& T1, const SE3<S>& T0) {
+  Vec<S, 6> d;
+  d << minus(T1.rotation(), T0.rotation()), T0.rotation().inverse() * Vec<S, 3>(T1.p() - T0.p());
+  return d;
+}
+
+/// (3), 6x6.
+template <class S>
+Mat<S, 6, 6> minus_jacobian(const SE3<S>& T, const SE3<S>& T0) {
+  const SO3<S> R0_R = T0.rotation().inverse() * T.rotation();
+  Mat<S, 6, 6> J = Mat<S, 6, 6>::Zero();
+  J.template topLeftCorner<3, 3>() = SO3<S>::right_jacobian_inverse(R0_R.log());
+  J.template bottomRightCorner<3, 3>() = R0_R.matrix();
+  return J;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,102 @@
+#pragma once
+/// Rotations SO(3), stored as a unit quaternion with w >= 0.                                docs/math/lie.md
+///
+///   Exp(phi)   = I + A P + B P^2,  P = [phi]x                                                                (1)
+///   Jr(phi)    = I - B P + C P^2,  Jl(phi) = Jr(-phi)                                                        (2)
+///   Jr^-1(phi) = I + P/2 + D P^2,  Jl^-1(phi) = Jr^-1(-phi)                                                  (3)
+///   Exp(phi + d) = Exp(phi) Exp(Jr(phi) d) + O(d^2),  Log(Exp(phi) Exp(d)) = phi + Jr^-1(phi) d + O(d^2)
+
+#include <cmath>
+#include <concepts>
+#include <type_traits>
+
+#include <Eigen/Geometry>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/lie/lie_group.hpp"
+
+namespace plumbline {
+
+/// The four coefficients of (1)-(3) as functions of t = |phi|^2, by series where the closed forms cancel.
+template <std::floating_point S>
+struct RotationCoefficients {
+  S A, B, C, D;  ///< sin th/th, (1-cos th)/th^2, (th-sin th)/th^3, 1/th^2 - cot(th/2)/(2 th)
+
+  static constexpr S series_below = std::is_same_v<S, float> ? S(1) : S(1e-2);  ///< on t
+
+  static RotationCoefficients at(S t) {
+    if (t < series_below) {
+      return {S(1) + t * (S(-1) / 6 + t * (S(1) / 120 + t * (S(-1) / 5040 + t * (S(1) / 362880)))),
+              S(0.5) + t * (S(-1) / 24 + t * (S(1) / 720 + t * (S(-1) / 40320 + t * (S(1) / 3628800)))),
+              S(1) / 6 + t * (S(-1) / 120 + t * (S(1) / 5040 + t * (S(-1) / 362880 + t * (S(1) / 39916800)))),
+              S(1) / 12 + t * (S(1) / 720 + t * (S(1) / 30240 + t * (S(1) / 1209600 + t * (S(1) / 47900160))))};
+    }
+    const S th = std::sqrt(t), s = std::sin(th), half = std::sin(th / 2);
+    return {s / th, 2 * half * half / t, (th - s) / (t * th), 1 / t - std::cos(th / 2) / (2 * th * half)};
+  }
+};
+
+template <std::floating_point S>
+class SO3 {
+ public:
+  using Scalar = S;
+  static constexpr int dof = 3;
+  using Tangent = Vec<S, 3>;
+  using Matrix = Mat<S, 3, 3>;
+
+  SO3() : q_(Eigen::Quaternion<S>::Identity()) {}
+  explicit SO3(const Eigen::Quaternion<S>& q) : q_(q.normalized()) {
+    if (q_.w() < S(0)) q_.coeffs() = -q_.coeffs();
+  }
+  /// The rotation of an (approximately) orthonormal matrix, by largest-pivot extraction.
+  static SO3 from_matrix(const Matrix& R) { return SO3(Eigen::Quaternion<S>(R)); }
+
+  static SO3 exp(const Tangent& phi) {
+    const S t = phi.squaredNorm(), th_half = std::sqrt(t) / 2;
+    const S sinc_half = RotationCoefficients<S>::at(t / 4).A / 2;  // sin(th/2)/th
+    return SO3(Eigen::Quaternion<S>(std::cos(th_half), sinc_half * phi.x(), sinc_half * phi.y(), sinc_half * phi.z()));
+  }
+
+  /// Rotation vector in the ball of radius pi; the sign of the axis is arbitrary exactly at pi.
+  Tangent log() const {
+    const S n = q_.vec().norm(), w = q_.w();
+    const S small = std::is_same_v<S, float> ? S(1e-2) : S(1e-5);
+    if (n < small) return (2 / w) * (1 - n * n / (3 * w * w)) * q_.vec();
+    return (2 * std::atan2(n, w) / n) * q_.vec();
+  }
+
+  SO3 inverse() const { return SO3(q_.conjugate()); }
+  SO3 operator*(const SO3& other) const { return SO3(q_ * other.q_); }
+  Vec<S, 3> operator*(const Vec<S, 3>& x) const { return q_ * x; }
+
+  Matrix matrix() const { return q_.toRotationMatrix(); }
+  Matrix adjoint() const { return matrix(); }
+  const Eigen::Quaternion<S>& quaternion() const { return q_; }
+
+  template <std::floating_point Other>
+  SO3<Other> cast() const {
+    return SO3<Other>(q_.template cast<Other>());
+  }
+
+  static Matrix right_jacobian(const Tangent& phi) {
+    const RotationCoefficients<S> c = RotationCoefficients<S>::at(phi.squaredNorm());
+    const Matrix P = hat(phi);
+    return Matrix::Identity() - c.B * P + c.C * P * P;  // (2)
+  }
+  static Matrix left_jacobian(const Tangent& phi) { return right_jacobian(-phi); }
+
+  static Matrix right_jacobian_inverse(const Tangent& phi) {
+    const RotationCoefficients<S> c = RotationCoefficients<S>::at(phi.squaredNorm());
+    const Matrix P = hat(phi);
+    return Matrix::Identity() + S(0.5) * P + c.D * P * P;  // (3)
+  }
+  static Matrix left_jacobian_inverse(const Tangent& phi) { return right_jacobian_inverse(-phi); }
+
+ private:
+  Eigen::Quaternion<S> q_;
+};
+
+static_assert(LieGroup<SO3<float>> && LieGroup<SO3<double>>);
+static_assert(!LieGroup<Eigen::Quaternion<float>>);
+
+}  // namespace plumbline
