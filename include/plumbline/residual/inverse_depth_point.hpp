@@ -1,0 +1,77 @@
+#pragma once
+/// A point anchored in one camera and seen, or its depth measured, in another one.           docs/math/point.md
+///
+///   reprojection   r = uv(P~) - uv_measured                          2x1 [px]                                (5)
+///                  J_r_<block> = J_uv_p(P~) dP~/d<block>             2x6, 2x6, 2x1
+///   inverse depth  r = lambda / P~_z - 1/z_measured                  1x1 [1/m]                               (6)
+///                  J_r_<block> = -(lambda/P~_z^2) e3^T dP~/d<block>  1x6, 1x6;  d/dlambda = 1/P~_z - (lambda/P~_z^2) t_z
+/// Sigma of (6) is constant for a disparity sensor (1/z is linear in the disparity).
+
+#include <concepts>
+
+#include "plumbline/camera/camera_model.hpp"
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/residual/relative_view.hpp"
+#include "plumbline/residual/residual.hpp"
+
+namespace plumbline {
+
+/// Value and Jacobians of a residual between anchor pose, target pose and one landmark column.
+template <class S, int Rows>
+struct AnchoredLinearization {
+  bool valid;
+  Vec<S, Rows> r;
+  Mat<S, Rows, 6> J_r_anchor;
+  Mat<S, Rows, 6> J_r_target;
+  Vec<S, Rows> J_r_lambda;
+};
+
+template <CameraModel Camera>
+struct InverseDepthReprojection {
+  using Scalar = typename Camera::Scalar;
+  using S = Scalar;
+  static constexpr int dim = 2;
+  using Linearized = AnchoredLinearization<S, dim>;
+
+  Vec<S, 2> uv_measured;
+
+  Linearized linearize(const Camera& camera, const RelativeView<S>& view, const Vec<S, 3>& bearing, S lambda) const {
+    const ScaledPoint<S> point = view.linearize(bearing, lambda);
+    const Projection<S> projection = camera.project(point.P);
+    Linearized out;
+    out.valid = projection.valid;
+    if (!out.valid) return out;
+    out.r = projection.uv - uv_measured;  // (5)
+    out.J_r_anchor.noalias() = projection.J_uv_p * point.J_anchor;
+    out.J_r_target.noalias() = projection.J_uv_p * point.J_target;
+    out.J_r_lambda.noalias() = projection.J_uv_p * view.t_target_anchor();
+    return out;
+  }
+};
+
+template <std::floating_point S>
+struct InverseDepthMeasurement {
+  using Scalar = S;
+  static constexpr int dim = 1;
+  static constexpr S z_min = S(1e-3);  ///< of P~, relative to the anchor's range
+  using Linearized = AnchoredLinearization<S, dim>;
+
+  S inverse_depth_measured;  ///< 1/z [1/m]
+
+  Linearized linearize(const RelativeView<S>& view, const Vec<S, 3>& bearing, S lambda) const {
+    const ScaledPoint<S> point = view.linearize(bearing, lambda);
+    Linearized out;
+    out.valid = point.P.z() > z_min;
+    if (!out.valid) return out;
+    const S iz = S(1) / point.P.z(), slope = -lambda * iz * iz;
+    out.r(0) = lambda * iz - inverse_depth_measured;  // (6)
+    out.J_r_anchor = slope * point.J_anchor.row(2);
+    out.J_r_target = slope * point.J_target.row(2);
+    out.J_r_lambda(0) = iz + slope * view.t_target_anchor().z();
+    return out;
+  }
+};
+
+static_assert(Residual<InverseDepthMeasurement<float>> && Residual<InverseDepthMeasurement<double>>);
+
+}  // namespace plumbline

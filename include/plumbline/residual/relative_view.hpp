@@ -1,0 +1,63 @@
+#pragma once
+/// What all landmarks anchored in camera a and seen in camera j share, computed once for each pair.   docs/math/point.md
+///
+/// An anchored point with unit bearing f and inverse range lambda is, in camera j and scaled by lambda,
+///   P~ = A R_e f + lambda t,   A = R_cb R_j^T R_a,   t = A p_e + R_cb (R_j^T (p_a - p_j) - p_e)              (1)
+/// with R_e, p_e = T_body_cam, R_cb = R_e^T. It is regular at lambda = 0. Derivatives by the retraction:
+///   dP~/d anchor  = [ -A [q]x , lambda A ],                q = R_e f + lambda p_e          3x6               (2)
+///   dP~/d target  = R_cb [ [R_e P~ + lambda p_e]x , -lambda I ]                            3x6               (3)
+///   dP~/d lambda  = t                                                                      3x1 [m]           (4)
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/lie/se3.hpp"
+
+namespace plumbline {
+
+/// An anchored point as camera j sees it: lambda times its camera coordinates, with derivatives.
+template <class S>
+struct ScaledPoint {
+  Vec<S, 3> P;           ///< P~ = lambda P
+  Mat<S, 3, 6> J_anchor;  ///< (2)
+  Mat<S, 3, 6> J_target;  ///< (3)
+};
+
+template <class S>
+class RelativeView {
+ public:
+  RelativeView() = default;
+  /// Poses of the anchor's and the target's body, and the extrinsics of their one camera.
+  RelativeView(const SE3<S>& T_world_anchor, const SE3<S>& T_world_target, const SE3<S>& T_body_cam)
+      : R_e_(T_body_cam.R()), p_e_(T_body_cam.p()) {
+    const Mat<S, 3, 3> R_j = T_world_target.R();
+    A_.noalias() = R_e_.transpose() * R_j.transpose() * T_world_anchor.R();
+    AR_e_.noalias() = A_ * R_e_;
+    t_ = A_ * p_e_ + R_e_.transpose() * (R_j.transpose() * (T_world_anchor.p() - T_world_target.p()) - p_e_);
+  }
+
+  /// P~ alone, (1).
+  Vec<S, 3> scaled_point(const Vec<S, 3>& bearing, S inverse_range) const {
+    return AR_e_ * bearing + inverse_range * t_;
+  }
+
+  ScaledPoint<S> linearize(const Vec<S, 3>& bearing, S inverse_range) const {
+    ScaledPoint<S> out;
+    out.P = scaled_point(bearing, inverse_range);
+    const Vec<S, 3> q = R_e_ * bearing + inverse_range * p_e_, q_target = R_e_ * out.P + inverse_range * p_e_;
+    out.J_anchor.template leftCols<3>().noalias() = -A_ * hat(q);
+    out.J_anchor.template rightCols<3>() = inverse_range * A_;
+    out.J_target.template leftCols<3>().noalias() = R_e_.transpose() * hat(q_target);
+    out.J_target.template rightCols<3>() = -inverse_range * R_e_.transpose();
+    return out;
+  }
+
+  /// Origin of the anchor camera in the target camera [m]; also (4).
+  const Vec<S, 3>& t_target_anchor() const { return t_; }
+  /// Rotation from the anchor camera to the target camera.
+  const Mat<S, 3, 3>& R_target_anchor() const { return AR_e_; }
+
+ private:
+  Mat<S, 3, 3> R_e_, A_, AR_e_;
+  Vec<S, 3> p_e_, t_;
+};
+
+}  // namespace plumbline
