@@ -1,8 +1,12 @@
 # The four interface targets. Headers are collected by folder: the folder decides which target, and so which
 # dependencies, a header belongs to. Each header set is verified: every header compiles alone.
+#
+#   plumbline::core      the estimator; Eigen only
+#   plumbline::testing   numeric Jacobians, simulated worlds; Eigen only
+#   plumbline::opencv    cv::Mat views, detectors; OpenCV core, imgproc, imgcodecs
+#   plumbline::io        recordings, calibration, trajectories; yaml-cpp and plumbline::opencv
 
-find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-
+# Every folder of the firmware headers, in the order in which they may include one another: only upwards.
 set(plumbline_core_folders core lie camera geometry imu solver residual image tracking sensor feature mapping backend
     estimator systems)
 
@@ -15,23 +19,26 @@ function(plumbline_add_target name)
   endforeach()
   add_library(plumbline_${name} INTERFACE)
   add_library(plumbline::${name} ALIAS plumbline_${name})
-  set_target_properties(plumbline_${name} PROPERTIES EXPORT_NAME ${name} VERIFY_INTERFACE_HEADER_SETS ${PROJECT_IS_TOP_LEVEL})
-  target_sources(plumbline_${name} INTERFACE FILE_SET HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}/include" FILES ${headers})
+  set_target_properties(plumbline_${name} PROPERTIES EXPORT_NAME ${name}
+    VERIFY_INTERFACE_HEADER_SETS ${PROJECT_IS_TOP_LEVEL})
+  target_sources(plumbline_${name} INTERFACE FILE_SET HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}/include"
+    FILES ${headers})
   target_compile_features(plumbline_${name} INTERFACE cxx_std_20)
   target_link_libraries(plumbline_${name} INTERFACE ${ARG_LINK})
 endfunction()
 
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 file(GLOB umbrella CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/include/plumbline/*.hpp")
 plumbline_add_target(core FOLDERS ${plumbline_core_folders} FILES ${umbrella} LINK Eigen3::Eigen)
 plumbline_add_target(testing FOLDERS testing LINK plumbline_core)
-
-find_package(yaml-cpp QUIET)
-if(yaml-cpp_FOUND)
-  plumbline_add_target(io FOLDERS io LINK plumbline_core yaml-cpp)
-endif()
 
 list(APPEND CMAKE_MODULE_PATH "${PROJECT_SOURCE_DIR}/cmake")
 find_package(OpenCVModules QUIET COMPONENTS core imgproc imgcodecs)
 if(OpenCVModules_FOUND)
   plumbline_add_target(opencv FOLDERS opencv LINK plumbline_core opencv_core opencv_imgproc opencv_imgcodecs)
+endif()
+
+find_package(yaml-cpp QUIET)
+if(yaml-cpp_FOUND AND TARGET plumbline_opencv)
+  plumbline_add_target(io FOLDERS io LINK plumbline_opencv yaml-cpp)
 endif()

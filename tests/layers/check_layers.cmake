@@ -1,0 +1,37 @@
+# The firmware headers include one another only upwards in FOLDERS, the solver knows no camera, and none of them reaches
+# for the heap, the standard streams or OpenCV.          cmake -DFOLDERS=core;lie;... -DINCLUDE=dir -P check_layers.cmake
+
+cmake_minimum_required(VERSION 3.25)
+
+set(forbidden "iostream|fstream|sstream|vector|string|map|unordered_map|deque|list|memory|functional|thread|mutex")
+set(not_for_solver camera geometry imu)
+set(violations "")
+set(checked 0)
+
+set(above "")
+foreach(folder IN LISTS FOLDERS)
+  list(APPEND above ${folder})
+  file(GLOB headers "${INCLUDE}/${folder}/*.hpp")
+  foreach(header IN LISTS headers)
+    math(EXPR checked "${checked} + 1")
+    file(STRINGS "${header}" includes REGEX "^ *#include")
+    foreach(line IN LISTS includes)
+      if(line MATCHES "\"plumbline/([a-z_]+)/")
+        if(NOT CMAKE_MATCH_1 IN_LIST above OR (folder STREQUAL "solver" AND CMAKE_MATCH_1 IN_LIST not_for_solver))
+          string(APPEND violations "\n  ${header}: ${line} (${folder} stands above ${CMAKE_MATCH_1})")
+        endif()
+      elseif(line MATCHES "<(${forbidden}|opencv.*|Eigen/Dense)>")
+        string(APPEND violations "\n  ${header}: ${line} (not for firmware)")
+      elseif(line MATCHES "\"")
+        string(APPEND violations "\n  ${header}: ${line} (own headers are \"plumbline/<folder>/<name>.hpp\")")
+      endif()
+    endforeach()
+  endforeach()
+endforeach()
+
+if(checked EQUAL 0)
+  message(FATAL_ERROR "no headers found in ${INCLUDE}")
+elseif(violations)
+  message(FATAL_ERROR "includes that break the layers:${violations}")
+endif()
+message(STATUS "${checked} headers keep the layers")
