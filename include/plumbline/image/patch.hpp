@@ -1,0 +1,79 @@
+#pragma once
+/// Square patches of bilinear samples in contiguous floats, the raw material of patch alignment.
+///
+/// Samples 1 px apart share one sub-pixel fraction, so a patch is two passes of linear interpolation over whole rows,
+/// which compilers vectorize.
+
+#include <cstdint>
+
+#include "plumbline/core/assert.hpp"
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/image/image_view.hpp"
+
+namespace plumbline {
+
+/// Size x Size samples, row by row. The centre of a patch of even size lies between its four middle samples.
+template <int Size>
+using Patch = Vec<float, Size * Size>;
+
+/// True when a patch of `size` samples 1 px apart around `centre` can be interpolated; false for NaN too.
+inline bool patch_inside(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& centre, int size) {
+  const float radius = 0.5f * static_cast<float>(size - 1);
+  return centre.x() >= radius && centre.y() >= radius && centre.x() + radius < static_cast<float>(image.width - 1) &&
+         centre.y() + radius < static_cast<float>(image.height - 1);
+}
+
+/// Samples 1 px apart around `centre`, which must be `patch_inside`.
+template <int Size>
+void interpolate_patch(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& centre, Patch<Size>& out) {
+  PLUMBLINE_ASSERT(patch_inside(image, centre, Size));
+  const Vec<float, 2> corner = centre.array() - 0.5f * static_cast<float>(Size - 1);
+  const int x0 = static_cast<int>(corner.x()), y0 = static_cast<int>(corner.y());
+  const float ax = corner.x() - static_cast<float>(x0), ay = corner.y() - static_cast<float>(y0);
+  const std::uint8_t* row = image.row(y0) + x0;
+  float upper[Size], lower[Size];
+  for (int x = 0; x < Size; ++x) {
+    const float left = row[x], right = row[x + 1];
+    upper[x] = left + ax * (right - left);
+  }
+  float* sample = out.data();
+  for (int y = 0; y < Size; ++y, sample += Size) {
+    row += image.stride;
+    for (int x = 0; x < Size; ++x) {
+      const float left = row[x], right = row[x + 1];
+      lower[x] = left + ax * (right - left);
+      sample[x] = upper[x] + ay * (lower[x] - upper[x]);
+      upper[x] = lower[x];
+    }
+  }
+}
+
+/// Samples at centre + A D_j, D_j the offsets of a patch 1 px apart. False when one of them is outside.
+template <int Size>
+bool interpolate_warped_patch(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& centre,
+                              const Mat<float, 2, 2>& A, Patch<Size>& out) {
+  const float radius = 0.5f * static_cast<float>(Size - 1);
+  constexpr float rounding_px = 0.01f;  // more than the sums below can be off
+  const Vec<float, 2> extent = (radius * A.cwiseAbs().rowwise().sum()).array() + rounding_px;
+  const Vec<float, 2> low = centre - extent, high = centre + extent;
+  if (!(low.x() >= 0.0f && low.y() >= 0.0f && high.x() < static_cast<float>(image.width - 1) &&
+        high.y() < static_cast<float>(image.height - 1))) {
+    return false;
+  }
+  for (int y = 0; y < Size; ++y) {
+    const Vec<float, 2> start = centre + A * Vec<float, 2>(-radius, static_cast<float>(y) - radius);
+    for (int x = 0; x < Size; ++x) {
+      const float u = start.x() + static_cast<float>(x) * A(0, 0), v = start.y() + static_cast<float>(x) * A(1, 0);
+      const int x0 = static_cast<int>(u), y0 = static_cast<int>(v);
+      const float ax = u - static_cast<float>(x0), ay = v - static_cast<float>(y0);
+      const std::uint8_t* row = image.data + y0 * image.stride + x0;
+      const float upper = static_cast<float>(row[0]) + ax * static_cast<float>(row[1] - row[0]);
+      row += image.stride;
+      const float lower = static_cast<float>(row[0]) + ax * static_cast<float>(row[1] - row[0]);
+      out[y * Size + x] = upper + ay * (lower - upper);
+    }
+  }
+  return true;
+}
+
+}  // namespace plumbline
