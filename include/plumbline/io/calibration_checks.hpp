@@ -1,0 +1,105 @@
+#pragma once
+/// What a calibration must satisfy whatever format it came in. Each fault names the key and the line it stands on.
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "plumbline/io/calibration_data.hpp"
+#include "plumbline/io/yaml_map.hpp"
+
+namespace plumbline::io::detail {
+
+inline std::string text_of(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+/// The rigid transform of a row-major 4x4 matrix.
+inline SE3<double> rigid_transform(const YamlMap& map, const char* key) {
+  const std::vector<double> values = map.matrix(key);
+  if (values.size() != 16) map.fail(key, "must have 16 values (4x4, row by row), has " + std::to_string(values.size()));
+  const Mat<double, 4, 4> T = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(values.data());
+  if (T.row(3) != Vec<double, 4>(0, 0, 0, 1).transpose()) map.fail(key, "must have the last row 0 0 0 1");
+  const Mat<double, 3, 3> R = T.topLeftCorner<3, 3>();
+  const double deviation = (R.transpose() * R - Mat<double, 3, 3>::Identity()).cwiseAbs().maxCoeff();
+  if (!(deviation < 1e-3))
+    map.fail(key, "has no rotation: its 3x3 block is not orthonormal (off by " + text_of(deviation) + ")");
+  if (!(R.determinant() > 0)) map.fail(key, "has no rotation: its 3x3 block is a reflection (determinant -1)");
+  return SE3<double>(SO3<double>::from_matrix(R), T.topRightCorner<3, 1>());
+}
+
+/// One name for what the formats call differently.
+inline std::string distortion_name(const YamlMap& map, const char* key) {
+  const std::string name = map.text(key);
+  if (name == "radtan" || name == "radial-tangential" || name == "plumb_bob") return "radtan";
+  if (name == "equidistant" || name == "fisheye") return "equidistant";
+  if (name == "none") return "none";
+  map.fail(key, "is \"" + name + "\"; known are none, radtan and equidistant");
+}
+
+/// fx fy cx cy (xi alpha) and the resolution, as they stand under `intrinsics_key` and `resolution_key`.
+inline void check_projection(const CameraCalibration& camera, const YamlMap& map, const char* intrinsics_key,
+                             const char* resolution_key) {
+  const std::size_t expected = camera.model == "double_sphere" ? 6 : 4;
+  const std::vector<double>& v = camera.intrinsics;
+  if (v.size() != expected)
+    map.fail(intrinsics_key, "must have " + std::to_string(expected) + " values, has " + std::to_string(v.size()));
+  if (!(v[0] > 0 && v[1] > 0))
+    map.fail(intrinsics_key, "has focal lengths that are not positive: " + text_of(v[0]) + ", " + text_of(v[1]));
+  const double cx = v[2], cy = v[3];
+  const auto inside = [&](int w, int h) { return cx > 0 && cx < w && cy > 0 && cy < h; };
+  if (!inside(camera.width, camera.height)) {
+    const bool swapped = inside(camera.height, camera.width);
+    map.fail(resolution_key, std::to_string(camera.width) + " x " + std::to_string(camera.height) +
+                                 " does not contain the principal point (" + text_of(cx) + ", " + text_of(cy) + ")" +
+                                 (swapped ? ": are width and height swapped?" : ""));
+  }
+  if (expected == 6 && !(v[4] > -1 && v[5] >= 0 && v[5] <= 1))
+    map.fail(intrinsics_key, "must have xi > -1 and alpha in [0, 1], has " + text_of(v[4]) + ", " + text_of(v[5]));
+}
+
+/// Brings the coefficients to the number the model has; trailing zeros may be missing or superfluous.
+inline void check_distortion(CameraCalibration& camera, const YamlMap& map, const char* key) {
+  std::vector<double>& k = camera.distortion_coefficients;
+  const auto drop_zeros_above = [&](std::size_t n) {
+    while (k.size() > n && k.back() == 0) k.pop_back();
+  };
+  const std::string has = ", has " + std::to_string(k.size());
+  if (camera.distortion == "none") {
+    drop_zeros_above(0);
+    if (!k.empty()) map.fail(key, "must be empty or zero where the distortion is none" + has);
+  } else if (camera.distortion == "radtan") {
+    drop_zeros_above(5);
+    if (k.size() != 4 && k.size() != 5) map.fail(key, "must have 4 or 5 values (k1 k2 p1 p2 k3)" + has);
+  } else if (k.size() != 4) {
+    map.fail(key, "must have 4 values (k1 k2 k3 k4)" + has);
+  }
+  if (camera.model == "double_sphere" && camera.distortion != "none")
+    map.fail(key, "must be empty: double_sphere has no distortion of its own");
+}
+
+inline void set_resolution(CameraCalibration& camera, const YamlMap& map, const char* key) {
+  const std::vector<double> size = map.numbers(key);
+  if (size.size() != 2) map.fail(key, "must be [width, height]");
+  for (const double n : size)
+    if (!(n > 0 && n < 1e6 && n == std::floor(n)))
+      map.fail(key, "must be two positive whole numbers, has " + text_of(n));
+  camera.width = static_cast<int>(size[0]);
+  camera.height = static_cast<int>(size[1]);
+}
+
+/// The four noise densities; `rate_key` differs between the formats.
+inline ImuNoise imu_noise(const YamlMap& map, const char* rate_key) {
+  return {.gyro_density = map.positive("gyroscope_noise_density"),
+          .accel_density = map.positive("accelerometer_noise_density"),
+          .gyro_walk = map.positive("gyroscope_random_walk"),
+          .accel_walk = map.positive("accelerometer_random_walk"),
+          .rate_hz = map.positive(rate_key)};
+}
+
+}  // namespace plumbline::io::detail

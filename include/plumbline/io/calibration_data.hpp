@@ -1,0 +1,30 @@
+#pragma once
+/// What is known of a camera and an IMU before the first frame.                             docs/datasets.md
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "plumbline/imu/noise.hpp"
+#include "plumbline/lie/se3.hpp"
+
+namespace plumbline::io {
+
+struct CameraCalibration {
+  std::string model = "pinhole";                ///< pinhole, double_sphere
+  std::string distortion = "none";              ///< none, radtan, equidistant
+  std::vector<double> intrinsics;               ///< fx fy cx cy [px] (xi alpha)
+  std::vector<double> distortion_coefficients;  ///< radtan: k1 k2 p1 p2 (k3); equidistant: k1 k2 k3 k4
+  int width = 0, height = 0;                    ///< [px]
+  double rate_hz = 0;                           ///< 0: not stated
+};
+
+struct Calibration {
+  CameraCalibration camera;
+  std::optional<SE3<double>> T_body_camera;  ///< camera into body (= IMU) coordinates
+  std::optional<ImuNoise> imu;
+  double depth_scale = 0;           ///< raw depth units per metre; 0: no depth
+  double camera_time_offset_s = 0;  ///< time of the IMU's clock = time stamp of the image + offset
+};
+
+}  // namespace plumbline::io

@@ -1,0 +1,113 @@
+#pragma once
+/// A recording on disk, recognized by its layout, as one stream of IMU samples and frames in order of time.
+///
+///   EuRoC ASL       mav0/cam0/{data.csv, data/, sensor.yaml}, mav0/imu0/{data.csv, sensor.yaml}
+///   TUM RGB-D       rgb.txt, depth.txt, imu.csv, calibration.yaml      (all but rgb.txt optional with --calibration)
+///   KITTI odometry  image_0/, times.txt, calibration.yaml
+///
+/// Index files are read and checked whole when the recording is opened; images are only named.       docs/datasets.md
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "plumbline/core/time.hpp"
+#include "plumbline/imu/sample.hpp"
+#include "plumbline/io/calibration.hpp"
+#include "plumbline/io/recording_layouts.hpp"
+#include "plumbline/io/trajectory.hpp"
+
+namespace plumbline::io {
+
+class Recording {
+ public:
+  struct Options {
+    std::optional<std::filesystem::path> calibration;  ///< instead of the recording's own
+    double start_s = 0;                                ///< after the first frame [s]
+    double duration_s = std::numeric_limits<double>::infinity();
+  };
+  using Sample = std::variant<ImuSample, FrameSample>;
+
+  /// Throws ReadError.
+  static Recording open(const std::filesystem::path& directory, const Options& options);
+  static Recording open(const std::filesystem::path& directory) { return open(directory, Options{}); }
+
+  Layout layout() const { return files_.layout; }
+  const Calibration& calibration() const { return calibration_; }
+  std::size_t frame_count() const { return files_.frames.size(); }
+  const std::vector<FrameSample>& frames() const { return files_.frames; }
+  const std::vector<ImuSample>& imu() const { return files_.imu; }
+  /// Samples and everything needed to use them: noise and the camera's pose in the body.
+  bool has_imu() const { return !files_.imu.empty() && calibration_.imu && calibration_.T_body_camera; }
+  bool has_depth() const { return files_.has_depth && calibration_.depth_scale > 0; }
+
+  /// The next item, false after the last frame. Before each frame come all IMU samples up to its time and the first one
+  /// at or after it, so that the estimator can interpolate to the image's time; the stream begins with the last IMU
+  /// sample at or before the first frame.
+  bool next(Sample& out) {
+    if (frame_ == frame_count()) return false;
+    const TimeNs t = files_.frames[frame_].t_ns;
+    const bool reached = imu_ > 0 && files_.imu[imu_ - 1].t_ns >= t;
+    if (has_imu() && !reached && imu_ < files_.imu.size()) {
+      out = files_.imu[imu_++];
+    } else {
+      out = files_.frames[frame_++];
+    }
+    return true;
+  }
+  void rewind() { frame_ = imu_ = 0; }
+
+  /// The file with the true poses of the body, or of the camera where there is no such file.
+  std::optional<std::filesystem::path> groundtruth() const {
+    return files_.body_truth ? files_.body_truth : files_.camera_truth;
+  }
+  /// The true trajectory of the body (what a run with an IMU estimates) or of the camera (a run without); the one is
+  /// made from the other by T_body_camera where only one is recorded. Empty when the recording has none.
+  std::optional<Trajectory> read_groundtruth(bool of_body) const;
+
+ private:
+  Calibration calibration_;
+  RecordingFiles files_;
+  std::size_t frame_ = 0, imu_ = 0;  // next of each to be given out
+};
+
+inline Recording Recording::open(const std::filesystem::path& directory, const Options& options) {
+  Recording out;
+  out.files_ = read_layout(directory);
+  RecordingFiles& files = out.files_;
+  const std::filesystem::path calibration = options.calibration.value_or(files.calibration);
+  if (!std::filesystem::exists(calibration))
+    throw ReadError(calibration, 0, "no such file: the recording has no calibration of its own, name one");
+  out.calibration_ = read_calibration(calibration);
+  if (!out.calibration_.imu && files.imu_calibration)
+    out.calibration_.imu = detail::read_imu(YamlMap(*files.imu_calibration));
+
+  const TimeNs first = files.frames.front().t_ns, last = files.frames.back().t_ns;
+  std::erase_if(files.frames, [&](const FrameSample& frame) {
+    const double t = seconds_between(first, frame.t_ns) - options.start_s;
+    return !(t >= 0 && t <= options.duration_s);
+  });
+  if (files.frames.empty())
+    throw ReadError(
+        directory, 0,
+        "no frame in the part asked for; the recording lasts " + detail::text_of(seconds_between(first, last)) + " s");
+  const auto after = std::upper_bound(files.imu.begin(), files.imu.end(), files.frames.front().t_ns,
+                                      [](TimeNs t, const ImuSample& sample) { return t < sample.t_ns; });
+  if (after != files.imu.begin()) files.imu.erase(files.imu.begin(), after - 1);
+  return out;
+}
+
+inline std::optional<Trajectory> Recording::read_groundtruth(bool of_body) const {
+  const std::optional<std::filesystem::path>& wanted = of_body ? files_.body_truth : files_.camera_truth;
+  if (wanted) return read_trajectory(*wanted);
+  const std::optional<std::filesystem::path>& other = of_body ? files_.camera_truth : files_.body_truth;
+  if (!other) return std::nullopt;
+  const SE3<double> T_body_camera = calibration_.T_body_camera.value_or(SE3<double>());
+  return moved_to(read_trajectory(*other), of_body ? T_body_camera.inverse() : T_body_camera);
+}
+
+}  // namespace plumbline::io

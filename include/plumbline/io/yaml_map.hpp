@@ -1,0 +1,148 @@
+#pragma once
+/// A YAML mapping that knows its file: every complaint names the line, and a key nobody asked for is an error that
+/// suggests the key that was probably meant.
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <initializer_list>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <yaml-cpp/yaml.h>
+
+#include "plumbline/io/text.hpp"
+
+namespace plumbline::io {
+
+/// Levenshtein distance: insertions, deletions and replacements that turn `a` into `b`.
+inline std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] != b[j]);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
+    }
+  }
+  return row.back();
+}
+
+class YamlMap {
+ public:
+  /// The root of a file. OpenCV's and EuRoC's first line "%YAML:1.0" is no YAML directive and is skipped.
+  explicit YamlMap(const std::filesystem::path& file) : file_(file) {
+    std::string text = read_text(file);
+    if (text.starts_with("%YAML:")) text[0] = '#';
+    try {
+      node_ = YAML::Load(text);
+    } catch (const YAML::Exception& error) {
+      throw ReadError(file, error.mark.is_null() ? 0 : error.mark.line + 1, "not valid YAML: " + error.msg);
+    }
+    if (!node_.IsMap()) throw ReadError(file, 0, "not a YAML mapping (key: value)");
+  }
+
+  bool has(const char* key) const { return static_cast<bool>(node_[key]); }
+
+  /// Every key must be one of `known` and appear once.
+  void allow_only(std::initializer_list<std::string_view> known) const {
+    std::vector<std::string> seen;
+    for (const auto& entry : node_) {
+      const std::string key = entry.first.Scalar();
+      if (std::find(known.begin(), known.end(), key) == known.end()) {
+        const std::string_view nearest = *std::min_element(
+            known.begin(), known.end(), [&](auto a, auto b) { return edit_distance(key, a) < edit_distance(key, b); });
+        fail(entry.first, "unknown key \"" + key + "\", did you mean \"" + std::string(nearest) + "\"?");
+      }
+      if (std::find(seen.begin(), seen.end(), key) != seen.end())
+        fail(entry.first, "key \"" + key + "\" appears twice");
+      seen.push_back(key);
+    }
+  }
+
+  YamlMap map(const char* key) const {
+    const YAML::Node child = required(key);
+    if (!child.IsMap()) fail(child, name(key) + " must be a mapping (key: value)");
+    return YamlMap(file_, child, name(key) + ".");
+  }
+  std::string text(const char* key) const {
+    const YAML::Node child = required(key);
+    if (!child.IsScalar()) fail(child, name(key) + " must be a word");
+    return child.Scalar();
+  }
+  double number(const char* key) const { return number(required(key), key); }
+  double positive(const char* key) const {
+    const double value = number(key);
+    if (!(value > 0)) fail(key, "must be positive, is " + text(key));
+    return value;
+  }
+  double positive_or(const char* key, double otherwise) const { return has(key) ? positive(key) : otherwise; }
+  int positive_integer(const char* key) const { return positive_integer(required(key), key); }
+
+  /// A list of numbers; nested lists (rows of a matrix) are read row by row.
+  std::vector<double> numbers(const char* key) const {
+    std::vector<double> out;
+    const YAML::Node list = required(key);
+    if (!list.IsSequence()) fail(list, name(key) + " must be a list of numbers");
+    append(list, key, out);
+    return out;
+  }
+  /// A matrix as `{rows, cols, data}` (EuRoC, OpenCV) or as a plain list.
+  std::vector<double> matrix(const char* key) const {
+    return required(key).IsMap() ? map(key).numbers("data") : numbers(key);
+  }
+
+  const std::filesystem::path& file() const { return file_; }
+  /// The value of `key` is wrong: names the key and its line.
+  [[noreturn]] void fail(const char* key, const std::string& what) const { fail(node_[key], name(key) + " " + what); }
+  [[noreturn]] void fail(const YAML::Node& node, const std::string& what) const {
+    throw ReadError(file_, node.Mark().is_null() ? 0 : node.Mark().line + 1, what);
+  }
+
+ private:
+  YamlMap(const std::filesystem::path& file, const YAML::Node& node, const std::string& prefix)
+      : file_(file), node_(node), prefix_(prefix) {}
+
+  std::string name(const char* key) const { return prefix_ + key; }
+
+  YAML::Node required(const char* key) const {
+    const YAML::Node child = node_[key];
+    if (!child) {
+      if (prefix_.empty()) throw ReadError(file_, 0, "key \"" + name(key) + "\" is missing");
+      fail(node_, "key \"" + name(key) + "\" is missing");
+    }
+    return child;
+  }
+  double number(const YAML::Node& scalar, const char* key) const {
+    const std::optional<double> value = scalar.IsScalar() ? parse_finite(scalar.Scalar()) : std::nullopt;
+    if (!value)
+      fail(scalar, name(key) + ": \"" + (scalar.IsScalar() ? scalar.Scalar() : "") + "\" is not a finite number");
+    return *value;
+  }
+  int positive_integer(const YAML::Node& scalar, const char* key) const {
+    const double value = number(scalar, key);
+    if (!(value > 0 && value < 1e6 && value == std::floor(value)))
+      fail(scalar, name(key) + " must be a positive whole number, is " + scalar.Scalar());
+    return static_cast<int>(value);
+  }
+  void append(const YAML::Node& list, const char* key, std::vector<double>& out) const {
+    for (const YAML::Node& item : list) {
+      if (item.IsSequence()) {
+        append(item, key, out);
+      } else {
+        out.push_back(number(item, key));
+      }
+    }
+  }
+
+  std::filesystem::path file_;
+  YAML::Node node_;
+  std::string prefix_;
+};
+
+}  // namespace plumbline::io
