@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Installs what plumbline needs on Debian 12 or Ubuntu 24.04; does nothing when all of it is there.
+#   cmake/setup_debian.sh program   to build the program
+#   cmake/setup_debian.sh test      to build and run every test as well
+set -euo pipefail
+
+packages=(g++ cmake ninja-build libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
+  libyaml-cpp-dev nlohmann-json3-dev libcli11-dev)
+case "${1:-}" in
+  program) ;;
+  test)
+    packages+=(catch2 ccache libceres-dev libopencv-calib3d-dev libopencv-video-dev libbenchmark-dev pkg-config
+      gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib)
+    ;;
+  *)
+    echo "usage: ${0##*/} program|test" >&2
+    exit 1
+    ;;
+esac
+
+if ! command -v apt-get > /dev/null; then
+  echo "No apt-get here; these Debian packages, by whatever name your system has them, must be there: ${packages[*]}"
+  exit 0
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+  status=$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2> /dev/null || true)
+  [[ $status == installed ]] || missing+=("$package")
+done
+if ((${#missing[@]} == 0)); then
+  exit 0
+fi
+
+as_root=()
+if ((EUID != 0)); then
+  command -v sudo > /dev/null || { echo "Run as root, or install sudo, to install: ${missing[*]}" >&2; exit 1; }
+  as_root=(sudo)
+fi
+echo "Installing ${missing[*]}"
+"${as_root[@]}" apt-get -qq -o DPkg::Lock::Timeout=300 update
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300 install -y \
+  --no-install-recommends "${missing[@]}" > /dev/null

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Builds everything with warnings as errors, compiles each header alone, runs all tests, and runs the unit tests once
+# more with the address and undefined-behaviour sanitizers. Installs what is missing; may be run again at any time.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+
+step() { printf '\n== %s (%d s)\n' "$*" "$SECONDS"; }
+quiet() { "$@" > build/configure.log || { cat build/configure.log; return 1; }; }
+run_tests() { ctest --preset "$1" --parallel "$(nproc)" | tee "build/ctest-$1.log"; }
+mkdir -p build
+
+step "Packages"
+cmake/setup_debian.sh test
+
+step "Release build"
+quiet cmake --preset release -DPLUMBLINE_WERROR=ON -DPLUMBLINE_REQUIRE_FIRMWARE=ON
+cmake --build --preset release
+step "Every header alone"
+cmake --build --preset release --target all_verify_interface_header_sets
+step "Tests"
+run_tests release
+
+step "Build of the unit tests with sanitizers"
+quiet cmake --preset asan-ubsan -DPLUMBLINE_WERROR=ON
+cmake --build --preset asan-ubsan
+step "Unit tests with sanitizers"
+run_tests asan-ubsan
+
+step "Done"
+for preset in asan-ubsan release; do
+  printf '%s\n' "$preset"
+  grep -E '^[0-9]+% tests passed|^Total Test time' "build/ctest-$preset.log"
+done
