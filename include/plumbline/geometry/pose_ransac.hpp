@@ -1,0 +1,160 @@
+#pragma once
+/// Camera pose from bearings of known points with outliers: MSAC over P3P, then Gauss-Newton.   docs/math/geometry.md 2
+///
+///   cost(T) = sum_i min(e_i^2 / sigma_i^2, chi2),  e = |b x p| / |p| = sin of the angle, p = T_cam_world p_world  (5)
+///   n(w)    = log(1 - confidence) / log(1 - w^3) samples, w = the best inlier ratio so far                       (6)
+///   r = p/|p| - b,  J_r_T = (I - n n^T)/|p| [-R [p_world]x, R],  n = p/|p|                                        (7)
+/// The prior pose is the first hypothesis. The same input gives the same output.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+#include "plumbline/core/fixed_vector.hpp"
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/random.hpp"
+#include "plumbline/geometry/p3p.hpp"
+#include "plumbline/lie/plus.hpp"
+#include "plumbline/lie/se3.hpp"
+
+namespace plumbline {
+
+template <class S>
+struct PoseCorrespondence {
+  Vec<S, 3> bearing;  ///< unit, camera frame
+  Vec<S, 3> p_world;  ///< [m]
+  S sigma_rad;        ///< angular noise of the bearing
+};
+
+struct PoseRansacOptions {
+  int max_iterations = 60;
+  double confidence = 0.99;  ///< of having drawn one sample without outliers
+  double chi2 = 5.991;       ///< 95 % of two degrees of freedom
+  std::uint64_t seed = 1;
+  double prior_is_enough = 0.9;  ///< no sampling when the prior pose explains this part of the points
+  int min_inliers = 5;           ///< fewer give no valid pose; three are explained by construction
+};
+
+template <class S, std::size_t Capacity>
+struct PoseRansacResult {
+  bool valid = false;
+  SE3<S> T_cam_world;
+  int inliers = 0;
+  std::array<bool, Capacity> inlier{};
+};
+
+/// r and J_r_T of (7) for a small angle between bearing and prediction.
+template <class S>
+struct BearingError {
+  Vec<S, 3> r;         ///< [rad]
+  Mat<S, 3, 6> J_r_T;  ///< right increment (dphi, dp) of T_cam_world
+
+  BearingError(const SE3<S>& T_cam_world, const Mat<S, 3, 3>& R, const PoseCorrespondence<S>& c) {
+    const Vec<S, 3> p = R * c.p_world + T_cam_world.p();
+    const S inverse_range = S(1) / p.norm();
+    const Vec<S, 3> n = p * inverse_range;
+    const Mat<S, 3, 3> N = (Mat<S, 3, 3>::Identity() - n * n.transpose()) * R * inverse_range;
+    r = n - c.bearing;
+    J_r_T << -N * hat(c.p_world), N;
+  }
+};
+
+namespace pose_ransac_detail {
+
+/// MSAC cost (5); gives up as soon as it exceeds `limit`. Marks inliers where asked to.
+template <class S, std::size_t Capacity>
+S cost(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondences, const SE3<S>& T_cam_world, S chi2, S limit,
+       PoseRansacResult<S, Capacity>* marked = nullptr) {
+  const Mat<S, 3, 3> R = T_cam_world.R();
+  S sum = 0;
+  for (std::size_t i = 0; i < correspondences.size() && sum < limit; ++i) {
+    const PoseCorrespondence<S>& c = correspondences[i];
+    const Vec<S, 3> p = R * c.p_world + T_cam_world.p();
+    const S gate = c.sigma_rad * c.sigma_rad * p.squaredNorm(), error = c.bearing.cross(p).squaredNorm();
+    const bool inlier = error < chi2 * gate && c.bearing.dot(p) > 0;  // false for NaN
+    sum += inlier ? error / gate : chi2;
+    if (marked) {
+      marked->inlier[i] = inlier;
+      marked->inliers += inlier;
+    }
+  }
+  return sum;
+}
+
+/// Gauss-Newton on (7), each step over the points within the gate of (5). The gate starts wide, so that a pose from
+/// three noisy points is pulled to the consensus around it, and closes.
+template <class S, std::size_t Capacity>
+SE3<S> refine(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondences, SE3<S> T_cam_world, S chi2) {
+  for (const S widening : {S(16), S(4), S(1), S(1), S(1)}) {
+    Mat<S, 6, 6> H = Mat<S, 6, 6>::Zero();
+    Vec<S, 6> g = Vec<S, 6>::Zero();
+    const Mat<S, 3, 3> R = T_cam_world.R();
+    for (const PoseCorrespondence<S>& c : correspondences) {
+      const BearingError<S> error(T_cam_world, R, c);
+      const S weight = S(1) / (c.sigma_rad * c.sigma_rad);
+      if (!(weight * error.r.squaredNorm() < widening * chi2)) continue;
+      H.noalias() += weight * error.J_r_T.transpose() * error.J_r_T;
+      g.noalias() += weight * error.J_r_T.transpose() * error.r;
+    }
+    const Eigen::LDLT<Mat<S, 6, 6>> ldlt(H);
+    const Vec<S, 6> d = ldlt.solve(-g);
+    if (!ldlt.isPositive() || !d.allFinite()) break;
+    T_cam_world = plus(T_cam_world, d);
+  }
+  return T_cam_world;
+}
+
+}  // namespace pose_ransac_detail
+
+template <class S, std::size_t Capacity>
+PoseRansacResult<S, Capacity> ransac_pose(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondences,
+                                          const SE3<S>& T_cam_world_prior, const PoseRansacOptions& options = {}) {
+  using pose_ransac_detail::cost;
+  using Outcome = PoseRansacResult<S, Capacity>;
+  const std::size_t n = correspondences.size();
+  const S chi2 = S(options.chi2), infinity = std::numeric_limits<S>::infinity();
+  S best_cost = infinity;
+  Outcome best;
+
+  const auto adopt_if_better = [&](const SE3<S>& T) {
+    if (!(cost(correspondences, T, chi2, best_cost) < best_cost)) return false;
+    best = Outcome{};
+    best.T_cam_world = T;
+    best_cost = cost(correspondences, T, chi2, infinity, &best);
+    return true;
+  };
+  const auto offer = [&](const SE3<S>& T) {
+    if (adopt_if_better(T)) adopt_if_better(pose_ransac_detail::refine(correspondences, T, chi2));
+  };
+  const auto samples_needed = [&] {  // (6)
+    const double w = static_cast<double>(best.inliers) / static_cast<double>(n);
+    if (w >= 1) return 0.0;
+    return std::log1p(-options.confidence) / std::log1p(-w * w * w);  // infinite for w = 0
+  };
+
+  offer(T_cam_world_prior);
+  const bool prior_is_enough = best.inliers >= options.prior_is_enough * static_cast<double>(n);
+  if (n >= 4 && !prior_is_enough) {
+    Random random(options.seed);
+    for (int iteration = 0; iteration < options.max_iterations && iteration < samples_needed(); ++iteration) {
+      const std::uint32_t count = static_cast<std::uint32_t>(n);
+      const std::uint32_t i = random.below(count);
+      const std::uint32_t j = (i + 1 + random.below(count - 1)) % count;
+      std::uint32_t k = random.below(count - 2);  // the k-th of those that are neither i nor j
+      k += k >= std::min(i, j);
+      k += k >= std::max(i, j);
+      const PoseCorrespondence<S>&a = correspondences[i], &b = correspondences[j], &c = correspondences[k];
+      for (const SE3<S>& T : p3p<S>({a.bearing, b.bearing, c.bearing}, {a.p_world, b.p_world, c.p_world})) offer(T);
+    }
+  }
+  best.valid = best.inliers >= options.min_inliers;
+  return best;
+}
+
+}  // namespace plumbline
