@@ -59,8 +59,9 @@ inline void check_projection(const CameraCalibration& camera, const YamlMap& map
                                  " does not contain the principal point (" + text_of(cx) + ", " + text_of(cy) + ")" +
                                  (swapped ? ": are width and height swapped?" : ""));
   }
-  if (expected == 6 && !(v[4] > -1 && v[5] >= 0 && v[5] <= 1))
-    map.fail(intrinsics_key, "must have xi > -1 and alpha in [0, 1], has " + text_of(v[4]) + ", " + text_of(v[5]));
+  if (expected == 6 && !(v[4] > -1 && v[4] < 1 && v[5] >= 0 && v[5] <= 1))
+    map.fail(intrinsics_key,
+             "must have xi in (-1, 1) and alpha in [0, 1], has " + text_of(v[4]) + ", " + text_of(v[5]));
 }
 
 /// Brings the coefficients to the number the model has; trailing zeros may be missing or superfluous.

@@ -5,9 +5,11 @@
 ///   TUM RGB-D       rgb.txt, depth.txt, imu.csv, calibration.yaml      (all but rgb.txt optional with --calibration)
 ///   KITTI odometry  image_0/, times.txt, calibration.yaml
 ///
-/// Index files are read and checked whole when the recording is opened; images are only named.       docs/datasets.md
+/// Index files are read and checked whole when the recording is opened; images are only named. Where there is an IMU
+/// the frames' times are on its clock: time stamp + camera_time_offset_s. docs/datasets.md
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <limits>
@@ -86,6 +88,8 @@ inline Recording Recording::open(const std::filesystem::path& directory, const O
   if (!out.calibration_.imu && files.imu_calibration)
     out.calibration_.imu = detail::read_imu(YamlMap(*files.imu_calibration));
 
+  if (out.has_imu())  // frames on the IMU's clock
+    for (FrameSample& frame : files.frames) frame.t_ns += std::llround(out.calibration_.camera_time_offset_s * 1e9);
   const TimeNs first = files.frames.front().t_ns, last = files.frames.back().t_ns;
   std::erase_if(files.frames, [&](const FrameSample& frame) {
     const double t = seconds_between(first, frame.t_ns) - options.start_s;

@@ -1,19 +1,17 @@
 #pragma once
 /// The three recording layouts: which files they consist of, and their index files read and checked.
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "plumbline/core/time.hpp"
 #include "plumbline/imu/sample.hpp"
+#include "plumbline/io/association.hpp"
 #include "plumbline/io/error.hpp"
 #include "plumbline/io/text.hpp"
 
@@ -82,23 +80,10 @@ inline std::vector<ImuSample> read_imu_samples(const Path& file, bool nanosecond
   return samples;
 }
 
-/// Gives each frame the depth image nearest in time, at most 20 ms away, the closest pairs first and each depth once.
+/// Gives each frame the depth image nearest in time, at most 20 ms away, each depth used once.
 inline void associate_depth(std::vector<FrameSample>& frames, const std::vector<FrameSample>& depths) {
-  constexpr TimeNs max_difference_ns = 20'000'000;
-  std::vector<std::tuple<TimeNs, std::size_t, std::size_t>> pairs;  // |dt|, frame, depth
-  std::size_t first = 0;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    while (first < depths.size() && depths[first].t_ns < frames[i].t_ns - max_difference_ns) ++first;
-    for (std::size_t j = first; j < depths.size() && depths[j].t_ns <= frames[i].t_ns + max_difference_ns; ++j)
-      pairs.emplace_back(std::abs(depths[j].t_ns - frames[i].t_ns), i, j);
-  }
-  std::sort(pairs.begin(), pairs.end());
-  std::vector<bool> used(depths.size());
-  for (const auto& [difference, i, j] : pairs) {
-    if (frames[i].depth || used[j]) continue;
+  for (const auto& [i, j] : associate_times(times_of(frames), times_of(depths), 20'000'000))
     frames[i].depth = depths[j].image;
-    used[j] = true;
-  }
 }
 
 inline RecordingFiles read_euroc(const Path& root) {

@@ -59,7 +59,7 @@ inline std::vector<TimeNs> kitti_times(const std::filesystem::path& poses_file) 
 ///   12 columns            KITTI poses; times from times.txt beside the file when it has as many rows, else 0 s, 1 s
 ///   ... commas, 8 or more     EuRoC ground truth: t [ns], p, q (w x y z), anything 8 columns             TUM: t [s],
 ///   p, q (x y z w)
-/// Times must not decrease. Throws ReadError.
+/// Times must not decrease; of rows with the same time the last one counts. Throws ReadError.
 inline Trajectory read_trajectory(const std::filesystem::path& file) {
   Trajectory out;
   RowReader row(file);
@@ -79,6 +79,7 @@ inline Trajectory read_trajectory(const std::filesystem::path& file) {
                " columns");
     }
     if (!out.empty() && pose.t_ns < out.back().t_ns) row.fail("the time stamp is before that of the row above");
+    if (!out.empty() && pose.t_ns == out.back().t_ns) out.pop_back();
     out.push_back(pose);
   }
   if (out.empty()) throw ReadError(file, 0, "no poses");
