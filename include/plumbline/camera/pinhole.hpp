@@ -6,22 +6,27 @@
 /// Valid for z > z_min and m in the domain of the distortion.
 
 #include <concepts>
+#include <limits>
 
 #include "plumbline/camera/camera_model.hpp"
 #include "plumbline/core/matrix.hpp"
 
 namespace plumbline {
 
-/// No distortion: the identity on the z = 1 plane. A distortion policy has these two members and this result type.
+/// No distortion: the identity on the z = 1 plane. A distortion policy has these two members and this result type; both
+/// are invalid for NaN.
 template <std::floating_point S>
 struct NoDistortion {
   struct Distorted {
     bool valid;
     Vec<S, 2> m;
-    Mat<S, 2, 2> J;  ///< d m' / d m
+    Mat<S, 2, 2> J;  ///< derivative of this m by the argument
   };
-  Distorted distort(const Vec<S, 2>& m) const { return {true, m, Mat<S, 2, 2>::Identity()}; }
-  Distorted undistort(const Vec<S, 2>& m_distorted) const { return {true, m_distorted, Mat<S, 2, 2>::Identity()}; }
+  Distorted distort(const Vec<S, 2>& m) const {
+    return {m.squaredNorm() <= std::numeric_limits<S>::max(), m,
+            Mat<S, 2, 2>::Identity()};  // false for NaN and infinity
+  }
+  Distorted undistort(const Vec<S, 2>& m_distorted) const { return distort(m_distorted); }
 };
 
 template <std::floating_point S, template <class> class Distortion = NoDistortion>
@@ -52,7 +57,7 @@ struct Pinhole {
   Unprojection<S> unproject(const Vec<S, 2>& uv) const {
     const auto undistorted = distortion.undistort(Vec<S, 2>((uv.x() - cx) / fx, (uv.y() - cy) / fy));
     Unprojection<S> out;
-    out.valid = undistorted.valid && undistorted.m.allFinite();
+    out.valid = undistorted.valid;
     if (!out.valid) return out;
     out.bearing = Vec<S, 3>(undistorted.m.x(), undistorted.m.y(), S(1)).normalized();
     return out;
