@@ -1,0 +1,62 @@
+#pragma once
+/// Normal equations of one small state of D parameters (a pose): H d = -b.                  docs/math/solver.md (6)-(8)
+///
+///   H = sum w J^T J,  b = sum w J^T r,  cost = 1/2 sum rho
+/// The state loops over its rows, calls `add` and `add_cost`, then `solve`, and applies d with `plus`.
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/solver/cholesky.hpp"
+#include "plumbline/solver/normal_equations.hpp"
+
+namespace plumbline {
+
+template <class S, int D>
+class DenseNormalEquations {
+ public:
+  using Scalar = S;
+  static constexpr int dim = D;
+
+  void reset() { *this = DenseNormalEquations(); }
+
+  template <class T, int R>
+  void add(const Mat<T, R, D>& J, const Vec<T, R>& r, S weight) {
+    const Mat<S, R, D> wJ = weight * J.template cast<S>();
+    H_.noalias() += wJ.transpose() * J.template cast<S>();
+    b_.noalias() += wJ.transpose() * r.template cast<S>();
+  }
+  /// 1/2 sum rho over all that was given to `add_cost`.
+  S cost() const { return sum_rho_ / 2; }
+  void add_cost(S rho) { sum_rho_ += rho; }
+
+  /// (H + mu clip(diag H)) d = -b. False, and d undefined, when H is singular or anything is not finite.
+  bool solve(Vec<S, D>& d, S mu = S(0)) const {
+    Cholesky<S, D> factor;
+    const Vec<S, D> damping = mu * H_.diagonal().unaryExpr([](S x) { return damping_scale(x); });
+    if (!factor.compute(H_, damping)) return false;
+    d = -b_;
+    factor.solve_in_place(d);
+    return d.allFinite();
+  }
+
+  /// H^-1. False when H is singular.
+  bool covariance(Mat<S, D, D>& covariance) const {
+    Cholesky<S, D> factor;
+    if (!factor.compute(H_, Vec<S, D>::Zero())) return false;
+    for (int k = 0; k < D; ++k) {
+      Vec<S, D> column = Vec<S, D>::Unit(k);
+      factor.solve_in_place(column);
+      covariance.col(k) = column;
+    }
+    return covariance.allFinite();
+  }
+
+  const Mat<S, D, D>& H() const { return H_; }
+  const Vec<S, D>& b() const { return b_; }
+
+ private:
+  Mat<S, D, D> H_ = Mat<S, D, D>::Zero();
+  Vec<S, D> b_ = Vec<S, D>::Zero();
+  S sum_rho_ = S(0);
+};
+
+}  // namespace plumbline

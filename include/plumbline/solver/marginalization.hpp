@@ -1,0 +1,148 @@
+#pragma once
+/// Marginalization in square-root form: a prior on the states that stay, in double.     docs/math/solver.md (16)-(18)
+///
+///   prior         r(x) = r0 + J0 (x [-] x0)                                                                  (16)
+///   Q^T [J_m J_r | r] = [R_m  R_mr | r_m]                                                                    (17)
+///                       [ 0    J0  | r0 ]    the rows below the pivots of m                                  (18)
+/// No inverse, no square of the condition number. Where m is not observed a row has no pivot in it, and stays.
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+
+#include "plumbline/core/assert.hpp"
+#include "plumbline/solver/bounded_matrix.hpp"
+#include "plumbline/solver/householder.hpp"
+
+namespace plumbline {
+
+/// (16), J0 upper triangular, dim() x dim(). The x0 of the states is kept by whoever keeps the states.
+template <int MaxDim>
+struct Prior {
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, MaxDim, 1>;
+  BoundedMatrix<double, MaxDim, MaxDim> J0;
+  Vector r0;
+
+  int dim() const { return int(J0.cols()); }
+  bool empty() const { return dim() == 0; }
+  void clear() { J0.resize(0, 0), r0.resize(0); }
+
+  /// r0 + J0 e, e = x [-] x0.
+  template <class D>
+  Vector residual(const Eigen::MatrixBase<D>& e) const {
+    Vector r = r0;
+    for (int k = 0; k < dim(); ++k) r.head(k + 1) += e[k] * J0.col(k).head(k + 1);
+    return r;
+  }
+};
+
+/// Collects rows [J | r] over `dim` columns in any order and folds them into a triangle whenever Chunk of them wait, so
+/// that memory is bounded. Columns that are exactly zero cost nothing: add the sparsest rows first.
+template <int MaxDim, int Chunk>
+class Marginalizer {
+ public:
+  void reset(int dim) {
+    PLUMBLINE_ASSERT(dim >= 0 && dim <= MaxDim);
+    dim_ = dim;
+    waiting_ = 0;
+    for (int c = 0; c <= dim_; ++c) column(c).head(dim_).setZero();
+  }
+
+  int dim() const { return dim_; }
+
+  /// Rows J over the columns [first_column, first_column + J.cols()), zero elsewhere.
+  template <class DJ, class Dr>
+  void add_rows(const Eigen::MatrixBase<DJ>& J, const Eigen::MatrixBase<Dr>& r, int first_column = 0) {
+    add(J, first_column, J.leftCols(0), 0, r);
+  }
+  /// Rows that touch two ranges of columns.
+  template <class DJ, class DK, class Dr>
+  void add_rows(const Eigen::MatrixBase<DJ>& J, int first_column, const Eigen::MatrixBase<DK>& K,
+                int second_column, const Eigen::MatrixBase<Dr>& r) {
+    add(J, first_column, K, second_column, r);
+  }
+
+  /// The prior over all columns but [first_column, first_column + count), order kept. Consumes the rows: `reset` is next.
+  /// False, and no prior, when anything is not finite.
+  bool marginalize(int first_column, int count, Prior<MaxDim>& out) {
+    PLUMBLINE_ASSERT(first_column >= 0 && count >= 0 && first_column + count <= dim_);
+    fold();
+    double* const begin = values_.data();
+    std::rotate(begin, begin + first_column * rows, begin + (first_column + count) * rows);  // columns [m | r | rhs]
+    const int kept = dim_ - count, rank = eliminate_leading_columns(view().topRows(first_column + count), count);
+    for (int c = 0; c < kept; ++c) {  // the remaining rows are a triangle, or nearly
+      const int pivot = rank + c;
+      int last = dim_ - 1;
+      while (last > pivot && column(count + c)[last] == 0) --last;
+      if (last > pivot) eliminate(count + c, pivot, pivot + 1, last - pivot, count + c + 1);
+    }
+    out.J0.resize(kept, kept);
+    out.J0.setZero();
+    for (int c = 0; c < kept; ++c) out.J0.col(c).head(c + 1) = column(count + c).segment(rank, c + 1);
+    out.r0 = column(dim_).segment(rank, kept);
+    if (out.J0.allFinite() && out.r0.allFinite()) return true;
+    out.clear();
+    return false;
+  }
+
+ private:
+  static constexpr int rows = MaxDim + Chunk;
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, rows, MaxDim + 1>;
+  using Column = Eigen::Map<Eigen::Matrix<double, rows, 1>>;
+
+  Column column(int c) { return Column(values_.data() + c * rows); }
+  Eigen::Map<Matrix, 0, Eigen::OuterStride<rows>> view() {
+    return Eigen::Map<Matrix, 0, Eigen::OuterStride<rows>>(values_.data(), dim_, dim_ + 1);
+  }
+
+  template <class DJ, class DK, class Dr>
+  void add(const Eigen::MatrixBase<DJ>& J, int first_column, const Eigen::MatrixBase<DK>& K, int second_column,
+           const Eigen::MatrixBase<Dr>& r) {
+    PLUMBLINE_ASSERT(J.rows() == r.size() && K.rows() == r.size());
+    PLUMBLINE_ASSERT(first_column + J.cols() <= dim_ && second_column + K.cols() <= dim_);
+    for (int done = 0; done < int(r.size());) {
+      if (waiting_ == Chunk) fold();
+      const int n = std::min(Chunk - waiting_, int(r.size()) - done), to = dim_ + waiting_;
+      for (int c = 0; c < dim_; ++c) column(c).segment(to, n).setZero();
+      for (int c = 0; c < int(J.cols()); ++c) {
+        column(first_column + c).segment(to, n) = J.col(c).segment(done, n).template cast<double>();
+      }
+      for (int c = 0; c < int(K.cols()); ++c) {
+        column(second_column + c).segment(to, n) = K.col(c).segment(done, n).template cast<double>();
+      }
+      column(dim_).segment(to, n) = r.segment(done, n).template cast<double>();
+      waiting_ += n;
+      done += n;
+    }
+  }
+
+  /// The rows that wait go into the triangle of the first dim_ rows.
+  void fold() {
+    std::array<bool, MaxDim + 1> touched;
+    for (int c = 0; c <= dim_; ++c) touched[c] = !(column(c).segment(dim_, waiting_).array() == 0).all();
+    for (int c = 0; c < dim_; ++c) {
+      if (!touched[c]) continue;
+      const double tau = make_reflection(column(c)[c], column(c).segment(dim_, waiting_));
+      for (int k = c + 1; k <= dim_; ++k) {
+        if (!touched[k] && column(k)[c] == 0) continue;
+        touched[k] = true;
+        reflect(tau, column(c).segment(dim_, waiting_), column(k)[c], column(k).segment(dim_, waiting_));
+      }
+    }
+    waiting_ = 0;
+  }
+
+  /// Zeroes rows [first, first + n) of column c against row `pivot`; columns from `next` on follow.
+  void eliminate(int c, int pivot, int first, int n, int next) {
+    const double tau = make_reflection(column(c)[pivot], column(c).segment(first, n));
+    for (int k = next; k <= dim_; ++k) {
+      reflect(tau, column(c).segment(first, n), column(k)[pivot], column(k).segment(first, n));
+    }
+    column(c).segment(first, n).setZero();
+  }
+
+  int dim_ = 0, waiting_ = 0;
+  std::array<double, std::size_t(rows) * (MaxDim + 1)> values_;  // column-major: triangle on top, waiting rows below it
+};
+
+}  // namespace plumbline
