@@ -4,6 +4,8 @@
 /// Samples 1 px apart share one sub-pixel fraction, so a patch is two passes of linear interpolation over whole rows,
 /// which compilers vectorize.
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 
 #include "plumbline/core/assert.hpp"
@@ -16,21 +18,38 @@ namespace plumbline {
 template <int Size>
 using Patch = Vec<float, Size * Size>;
 
-/// True when a patch of `size` samples 1 px apart around `centre` can be interpolated; false for NaN too.
+/// True when a patch of `size` samples 1 px apart around `centre` needs no pixel beyond the edge; false for NaN too.
 inline bool patch_inside(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& centre, int size) {
   const float radius = 0.5f * static_cast<float>(size - 1);
   return centre.x() >= radius && centre.y() >= radius && centre.x() + radius < static_cast<float>(image.width - 1) &&
          centre.y() + radius < static_cast<float>(image.height - 1);
 }
 
-/// Samples 1 px apart around `centre`, which must be `patch_inside`.
+/// Copies size x size pixels from (x0, y0) on; pixels beyond the edge repeat the edge.
+inline void copy_pixels(const ImageView<const std::uint8_t>& image, int x0, int y0, int size, std::uint8_t* out) {
+  for (int y = y0; y < y0 + size; ++y) {
+    const std::uint8_t* row = image.row(std::clamp(y, 0, image.height - 1));
+    for (int x = x0; x < x0 + size; ++x) *out++ = row[std::clamp(x, 0, image.width - 1)];
+  }
+}
+
+/// Samples 1 px apart around `centre`, which must be in the image; beyond the edge they repeat the edge.
 template <int Size>
 void interpolate_patch(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& centre, Patch<Size>& out) {
-  PLUMBLINE_ASSERT(patch_inside(image, centre, Size));
-  const Vec<float, 2> corner = centre.array() - 0.5f * static_cast<float>(Size - 1);
-  const int x0 = static_cast<int>(corner.x()), y0 = static_cast<int>(corner.y());
-  const float ax = corner.x() - static_cast<float>(x0), ay = corner.y() - static_cast<float>(y0);
-  const std::uint8_t* row = image.row(y0) + x0;
+  PLUMBLINE_ASSERT(image.contains(centre.x(), centre.y(), 0.0f));
+  const float radius = 0.5f * static_cast<float>(Size - 1);
+  // A shift by Size makes the coordinates positive, so that conversion rounds down.
+  const int x0 = static_cast<int>(centre.x() - radius + Size) - Size;
+  const int y0 = static_cast<int>(centre.y() - radius + Size) - Size;
+  const float ax = centre.x() - radius - static_cast<float>(x0), ay = centre.y() - radius - static_cast<float>(y0);
+  std::uint8_t repeated[(Size + 1) * (Size + 1)];
+  const std::uint8_t* row = image.data + y0 * image.stride + x0;
+  std::ptrdiff_t stride = image.stride;
+  if (x0 < 0 || y0 < 0 || x0 + Size >= image.width || y0 + Size >= image.height) {
+    copy_pixels(image, x0, y0, Size + 1, repeated);
+    row = repeated;
+    stride = Size + 1;
+  }
   float upper[Size], lower[Size];
   for (int x = 0; x < Size; ++x) {
     const float left = row[x], right = row[x + 1];
@@ -38,7 +57,7 @@ void interpolate_patch(const ImageView<const std::uint8_t>& image, const Vec<flo
   }
   float* sample = out.data();
   for (int y = 0; y < Size; ++y, sample += Size) {
-    row += image.stride;
+    row += stride;
     for (int x = 0; x < Size; ++x) {
       const float left = row[x], right = row[x + 1];
       lower[x] = left + ax * (right - left);

@@ -9,11 +9,9 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 
 #include "plumbline/core/assert.hpp"
 #include "plumbline/core/fixed_vector.hpp"
@@ -36,23 +34,62 @@ struct CornerOptions {
   int border_px = 16;          ///< no corner nearer to the image's edge; at least 4
 };
 
-/// (11) at a pixel at least 4 px inside.
-inline float min_eigenvalue_score(const ImageView<const std::uint8_t>& image, int x, int y) {
-  constexpr int radius = 3, samples = (2 * radius + 1) * (2 * radius + 1);
-  int xx = 0, xy = 0, yy = 0;
-  for (int v = y - radius; v <= y + radius; ++v) {
-    const std::uint8_t* row = image.data + v * image.stride;
-    for (int u = x - radius; u <= x + radius; ++u) {
-      const int gx = row[u + 1] - row[u - 1], gy = row[u + image.stride] - row[u - image.stride];
-      xx += gx * gx;
-      xy += gx * gy;
-      yy += gy * gy;
+/// The scores (11) of a square tile of pixels, by sums over columns that slide down and sums over rows: the work does
+/// not depend on the texture, and all loops are of constant length over floats (exact: the sums are below 2^24).
+class ScoreTile {
+ public:
+  static constexpr int size = 32;   ///< [px]
+  static constexpr int margin = 4;  ///< pixels read around the tile
+  using Row = Eigen::Array<float, size, 1>;
+
+  /// Scores of the pixels from (x0, y0) on; the tile and its margin must be inside the image.
+  void compute(const ImageView<const std::uint8_t>& image, int x0, int y0) {
+    PLUMBLINE_ASSERT(x0 >= margin && y0 >= margin && x0 + size + margin <= image.width);
+    PLUMBLINE_ASSERT(y0 + size + margin <= image.height);
+    Sums column[window];  // products of the last 7 rows
+    Sums sum;
+    sum.setZero();
+    for (Sums& products : column) products.setZero();
+    for (int y = 0; y < size + window - 1; ++y) {
+      Sums& products = column[y % window];
+      sum -= products;
+      gradient_products(image.data + (y0 + y - radius) * image.stride + x0 - radius, image.stride, products);
+      sum += products;
+      if (y >= window - 1) rows_[static_cast<std::size_t>(y - window + 1)] = score(sum);
     }
   }
-  const float mean = 0.5f * static_cast<float>(xx + yy), half_gap = 0.5f * static_cast<float>(xx - yy);
-  const float eigenvalue = mean - std::sqrt(half_gap * half_gap + static_cast<float>(xy) * static_cast<float>(xy));
-  return std::max(eigenvalue, 0.0f) / (4.0f * samples);  // 4: g are halves of the differences above
-}
+
+  const Row& row(int y) const { return rows_[static_cast<std::size_t>(y)]; }
+
+ private:
+  static constexpr int radius = 3, window = 2 * radius + 1, columns = size + window - 1;
+  using Sums = Eigen::Array<float, columns, 3>;  // xx, xy, yy of each column
+
+  static void gradient_products(const std::uint8_t* row, std::ptrdiff_t stride, Sums& products) {
+    float* xx = products.data();
+    float* xy = xx + columns;
+    float* yy = xy + columns;
+    for (int x = 0; x < columns; ++x) {
+      const float gx = static_cast<float>(row[x + 1] - row[x - 1]);
+      const float gy = static_cast<float>(row[x + stride] - row[x - stride]);
+      xx[x] = gx * gx;
+      xy[x] = gx * gy;
+      yy[x] = gy * gy;
+    }
+  }
+
+  /// Smallest eigenvalues from the sums over 7 columns.
+  static Row score(const Sums& sum) {
+    const Eigen::Array<float, columns - 1, 3> two = sum.topRows<columns - 1>() + sum.bottomRows<columns - 1>();
+    const Eigen::Array<float, size, 3> seven =
+        two.topRows<size>() + two.middleRows<size>(2) + two.middleRows<size>(4) + sum.bottomRows<size>();
+    const Row mean = 0.5f * (seven.col(0) + seven.col(2)), half_gap = 0.5f * (seven.col(0) - seven.col(2));
+    const Row eigenvalue = mean - (half_gap.square() + seven.col(1).square()).sqrt();
+    return eigenvalue * (1.0f / (4 * window * window));  // 4: g are halves of the differences above
+  }
+
+  std::array<Row, size> rows_;
+};
 
 /// FAST-9 tests on one image: the circle's offsets depend on its stride.
 class FastTest {
@@ -63,13 +100,31 @@ class FastTest {
     for (std::size_t i = 0; i < 16; ++i) circle_[i] = dy[i] * stride + dx[i];
   }
 
+  /// Upper bounds of the thresholds that `Size` pixels from `row` on can pass: an arc of 9 holds a pixel of each
+  /// opposite pair, and four pairs are looked at.
+  template <int Size>
+  std::array<std::uint8_t, Size> bounds(const std::uint8_t* row) const {
+    const std::array<std::ptrdiff_t, 16> circle = circle_;  // a local copy that no store of bytes can alias
+    std::array<std::uint8_t, Size> out;
+    const auto lesser = [](std::uint8_t a, std::uint8_t b) { return a < b ? a : b; };
+    const auto greater = [](std::uint8_t a, std::uint8_t b) { return a > b ? a : b; };
+    for (int x = 0; x < Size; ++x) {
+      const std::uint8_t* pixel = row + x;
+      std::uint8_t bright = 255, dark = 0;
+      for (std::size_t i = 0; i < 8; i += 2) {
+        const std::uint8_t one = pixel[circle[i]], opposite = pixel[circle[i + 8]];
+        bright = lesser(bright, greater(one, opposite));
+        dark = greater(dark, lesser(one, opposite));
+      }
+      const std::uint8_t centre = *pixel;
+      out[static_cast<std::size_t>(x)] = greater(static_cast<std::uint8_t>(greater(bright, centre) - centre),
+                                                 static_cast<std::uint8_t>(centre - lesser(dark, centre)));
+    }
+    return out;
+  }
+
   bool operator()(const std::uint8_t* pixel, int threshold) const {
     const int high = *pixel + threshold, low = *pixel - threshold;
-    // An arc of 9 holds one pixel of each opposite pair.
-    const int north = pixel[circle_[0]], south = pixel[circle_[8]], east = pixel[circle_[4]], west = pixel[circle_[12]];
-    const bool bright = (north > high || south > high) && (east > high || west > high);
-    const bool dark = (north < low || south < low) && (east < low || west < low);
-    if (!bright && !dark) return false;
     std::uint32_t brighter = 0, darker = 0;
     for (int i = 0; i < 16; ++i) {
       const int value = pixel[circle_[static_cast<std::size_t>(i)]];
@@ -92,42 +147,63 @@ class FastTest {
   std::array<std::ptrdiff_t, 16> circle_;
 };
 
-/// The cell's best corner among those farther than `distance_px` from all `near` features; score 0 when there is none.
+/// The best corner of the cell [x0, x1) x [y0, y1) among those at least `distance_px` from all `near` features: one of
+/// FAST with the high threshold, else with the low one, else any pixel. Score 0 when there is none.
 template <std::size_t Near>
 Corner best_corner(const ImageView<const std::uint8_t>& image, int x0, int y0, int x1, int y1,
                    const FixedVector<Vec<float, 2>, Near>& near, float distance_px, const CornerOptions& options) {
-  Corner best{Vec<float, 2>::Zero(), 0.0f, 0};
-  const auto consider = [&](int x, int y) {
-    const float score = min_eigenvalue_score(image, x, y);
-    if (!(score > best.score && score >= options.min_score)) return;
-    const Vec<float, 2> uv(static_cast<float>(x), static_cast<float>(y));
-    for (const Vec<float, 2>& other : near) {
-      if ((other - uv).squaredNorm() < distance_px * distance_px) return;
-    }
-    best = {uv, score, 0};
+  const FastTest is_fast(image.stride);
+  const auto is_free = [&](const Vec<float, 2>& uv) {
+    return std::none_of(near.begin(), near.end(), [&](const Vec<float, 2>& other) {
+      return (other - uv).squaredNorm() < distance_px * distance_px;
+    });
   };
-  const FastTest is_corner(image.stride);
-  for (const int threshold : {options.fast_threshold, options.fast_threshold_low}) {
-    for (int y = y0; y < y1; ++y) {
-      for (int x = x0; x < x1; ++x) {
-        if (is_corner(image.data + y * image.stride + x, threshold)) consider(x, y);
+  Corner best{Vec<float, 2>::Zero(), 0.0f, 0};
+  int best_grade = 0;  // 1: any pixel, 2: FAST with the low threshold, 3: with the high one
+  ScoreTile scores;
+  for (int tile_y = y0; tile_y < y1; tile_y += ScoreTile::size) {
+    for (int tile_x = x0; tile_x < x1; tile_x += ScoreTile::size) {
+      // The last tile is moved back into the image.
+      const int left = std::min(tile_x, image.width - ScoreTile::size - ScoreTile::margin);
+      const int top = std::min(tile_y, image.height - ScoreTile::size - ScoreTile::margin);
+      scores.compute(image, left, top);
+      for (int y = tile_y; y < std::min(tile_y + ScoreTile::size, y1); ++y) {
+        const ScoreTile::Row& row = scores.row(y - top);
+        const float row_best = row.maxCoeff();
+        if (!(row_best >= options.min_score) || (best_grade == 3 && !(row_best > best.score))) continue;
+        const std::uint8_t* pixels = image.data + y * image.stride + left;
+        const std::array<std::uint8_t, ScoreTile::size> bounds = is_fast.bounds<ScoreTile::size>(pixels);
+        for (int x = tile_x - left; x < std::min(tile_x + ScoreTile::size, x1) - left; ++x) {
+          const int bound = bounds[static_cast<std::size_t>(x)];
+          const int hoped = 1 + (bound > options.fast_threshold_low) + (bound > options.fast_threshold);
+          const bool stronger = row[x] > best.score;
+          if (!(row[x] >= options.min_score) || hoped < best_grade + !stronger) continue;
+          int grade = 1;
+          if (hoped >= 3 && is_fast(pixels + x, options.fast_threshold)) {
+            grade = 3;
+          } else if (hoped >= 2 && best_grade + !stronger <= 2 && is_fast(pixels + x, options.fast_threshold_low)) {
+            grade = 2;
+          }
+          if (grade < best_grade + !stronger) continue;
+          const Vec<float, 2> uv(static_cast<float>(left + x), static_cast<float>(y));
+          if (!is_free(uv)) continue;
+          best = {uv, row[x], 0};
+          best_grade = grade;
+        }
       }
     }
-    if (best.score > 0.0f) return best;
-  }
-  for (int y = y0; y < y1; ++y) {
-    for (int x = x0; x < x1; ++x) consider(x, y);
   }
   return best;
 }
 
 /// Appends to `out` new corners beside the `existing` features [px of level 0], best first; when `out` is too small the
-/// weakest are left out.
+/// weakest are left out. Images smaller than 40 px give none.
 template <std::size_t N>
 void detect_corners(ImageView<const std::uint8_t> image, const Vec<float, 2>* existing, std::size_t n_existing,
                     const CornerOptions& options, FixedVector<Corner, N>& out) {
   PLUMBLINE_ASSERT(options.cell_px > 0 && options.border_px >= 4);
-  if (image.empty()) return;
+  constexpr int smallest = ScoreTile::size + 2 * ScoreTile::margin;
+  if (image.empty() || image.width < smallest || image.height < smallest) return;
   const std::size_t first = out.size();
   const auto weaker = [](const Corner& a, const Corner& b) { return a.score > b.score; };  // for a heap, worst on top
   const float distance_px = 0.5f * static_cast<float>(options.cell_px);

@@ -149,7 +149,7 @@ Alignment align_from_coarse(const ReferencePatch& reference, const Mat<float, 2,
 }
 
 /// Aligns both components of the position. `uv_guess` and the result are pixels of level 0 of the current image.
-template <int PatchSize = 8, class Pyr>
+template <int PatchSize = 10, class Pyr>
 Alignment align_patch(const ReferencePatch& reference, const Mat<float, 2, 2>& A_cur_ref, const Pyr& current,
                       const Vec<float, 2>& uv_guess, const AlignmentOptions& options) {
   return align_from_coarse<PatchSize>(reference, A_cur_ref, current, uv_guess, nullptr, options);
@@ -157,7 +157,7 @@ Alignment align_patch(const ReferencePatch& reference, const Mat<float, 2, 2>& A
 
 /// Aligns along the unit normal `n_cur` (10) of an edge alone, with bias and without gain; the other component of the
 /// result is the guess's and measures nothing.
-template <int PatchSize = 8, class Pyr>
+template <int PatchSize = 10, class Pyr>
 Alignment align_edge(const ReferencePatch& reference, const Mat<float, 2, 2>& A_cur_ref, const Pyr& current,
                      const Vec<float, 2>& uv_guess, const Vec<float, 2>& n_cur, const AlignmentOptions& options) {
   return align_from_coarse<PatchSize>(reference, A_cur_ref, current, uv_guess, &n_cur, options);

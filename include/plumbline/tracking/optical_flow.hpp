@@ -4,7 +4,11 @@
 /// From the top level down, each level refines the position found above with PatchTemplate. A level whose patch does
 /// not fit, has no texture or does not converge leaves the position as it is; level 0 must succeed.
 
+#include <cstdint>
+
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/image/image_view.hpp"
+#include "plumbline/image/patch.hpp"
 #include "plumbline/image/pyramid.hpp"
 #include "plumbline/tracking/patch_template.hpp"
 
@@ -34,19 +38,20 @@ FlowResult track_point_levels(const Pyr& previous, const Pyr& current, const Vec
   FlowResult out{false, uv_guess, 0.0f};
   Template patch;
   typename Template::Bordered bordered;
+  if (!patch_inside(previous.level(0), uv_previous, Template::bordered_size)) return out;
   for (int l = levels - 1; l >= 0; --l) {
+    const ImageView<const std::uint8_t> reference = previous.level(l), image = current.level(l);
     const Vec<float, 2> centre = to_level(uv_previous, l);
-    if (!patch_inside(previous.level(l), centre, Template::bordered_size)) continue;
-    interpolate_patch<Template::bordered_size>(previous.level(l), centre, bordered);
+    interpolate_patch<Template::bordered_size>(reference, centre, bordered);
     patch.set(bordered);
     if (!(patch.min_eigenvalue() > options.min_eigenvalue)) continue;
     const PatchSearch bounds{options.max_iterations, l == 0 ? options.epsilon_px : options.coarse_epsilon_px,
                              static_cast<float>(PatchSize)};
-    const PatchMatch match = patch.search(current.level(l), to_level(out.uv, l), bounds);
+    const PatchMatch match = patch.search(image, to_level(out.uv, l), bounds);
     if (!match.valid) continue;
     out.uv = from_level(match.uv, l);
     out.rms = match.rms;
-    out.valid = l == 0 && match.rms < options.max_rms;
+    out.valid = l == 0 && match.rms < options.max_rms && patch_inside(image, match.uv, PatchSize);
   }
   return out;
 }

@@ -25,7 +25,7 @@ struct PatchSearch {
 };
 
 struct PatchMatch {
-  bool valid;        ///< inside the image, within max_move_px and converged
+  bool valid;        ///< centre in the image, within max_move_px and converged
   Vec<float, 2> uv;  ///< [px of the level]
   float gain;        ///< a of (3)
   float rms;         ///< of I - a T - b over the patch [intensity]
@@ -102,7 +102,7 @@ class PatchTemplate {
     PatchMatch match{false, start, 1.0f, 0.0f};
     Patch<Size> I;
     for (int i = 0; i < bounds.max_iterations; ++i) {
-      if (!patch_inside(image, match.uv, Size)) return match;
+      if (!image.contains(match.uv.x(), match.uv.y(), 0.0f)) return match;
       interpolate_patch<Size>(image, match.uv, I);
       const float TtI = T_.dot(I);
       if (has_gain_) match.gain = TtI / contrast_;

@@ -9,6 +9,7 @@
 #include "plumbline/core/assert.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/image/image_view.hpp"
+#include "plumbline/image/patch.hpp"
 #include "plumbline/image/pyramid.hpp"
 
 namespace plumbline {
@@ -19,22 +20,21 @@ class ReferencePatch {
   static constexpr int size = 28;  ///< side of the copy on each level [px of the level]
 
   /// Copies the pixels around `uv` [px of level 0]. False, and the patch empty, when they leave the image on level 0;
-  /// coarser levels are kept as far as they fit.
+  /// on coarser levels pixels beyond the edge repeat the edge.
   template <class Pyr>
   bool capture(const Pyr& pyramid, const Vec<float, 2>& uv) {
     levels_ = 0;
+    if (!patch_inside(pyramid.level(0), uv, size - 1)) return false;
     for (int l = 0; l < std::min(max_levels, Pyr::levels); ++l) {
-      const ImageView<const std::uint8_t> image = pyramid.level(l);
       const Vec<float, 2> uv_level = to_level(uv, l);
-      if (!image.contains(uv_level.x(), uv_level.y(), static_cast<float>(size / 2 - 1))) break;
-      const int x0 = static_cast<int>(uv_level.x()) - (size / 2 - 1),
-                y0 = static_cast<int>(uv_level.y()) - (size / 2 - 1);
-      if (x0 + size > image.width || y0 + size > image.height) break;
-      for (int y = 0; y < size; ++y) std::copy_n(image.row(y0 + y) + x0, size, pixels_[l].data() + y * size);
+      // positive before the shift, so that conversion rounds down
+      const int x0 = static_cast<int>(uv_level.x() + 1.0f) - size / 2,
+                y0 = static_cast<int>(uv_level.y() + 1.0f) - size / 2;
+      copy_pixels(pyramid.level(l), x0, y0, size, pixels_[l].data());
       centres_[l] = uv_level - Vec<float, 2>(static_cast<float>(x0), static_cast<float>(y0));
       ++levels_;
     }
-    return levels_ > 0;
+    return true;
   }
 
   int levels() const { return levels_; }  ///< held; 0 when empty
