@@ -1,0 +1,237 @@
+#pragma once
+/// Backend policy: Levenberg-Marquardt over a window of K keyframes and the landmarks they see, with marginalization of
+/// the keyframes that leave and first-estimate Jacobians.                                  docs/math/window.md
+///
+/// One call of `optimize` minimizes  |r0 + J0 e|^2 / 2 + the terms of all features  over the K poses; landmarks are
+/// eliminated one by one. `marginalize` turns a keyframe, and the landmarks anchored in it, into the next (r0, J0).
+
+#include <cmath>
+#include <tuple>
+#include <type_traits>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/mapping/frame_window.hpp"
+#include "plumbline/mapping/window_views.hpp"
+#include "plumbline/sensor/rig.hpp"
+#include "plumbline/solver/levenberg_marquardt.hpp"
+#include "plumbline/solver/marginalization.hpp"
+#include "plumbline/solver/normal_equations.hpp"
+
+namespace plumbline {
+
+struct WindowOptions {
+  LevenbergMarquardtOptions solver;
+  double sigma_first_rotation = 1e-3;  ///< prior on the first pose, which is the world's origin [rad]
+  double sigma_first_position = 1e-3;  ///< [m]
+};
+
+template <SensorRig Sensors, class FeatureSet, int K>
+class WindowBackend {
+ public:
+  using S = typename Sensors::Scalar;
+  using Window = FrameWindow<S, K>;
+  using Options = WindowOptions;
+  static constexpr int block_dim = Sensors::state_dim;
+
+  explicit WindowBackend(const Options& options) : options_(options) {}
+
+  const Window& window() const { return window_; }
+
+  /// Forgets everything and begins with one keyframe at a pose that defines the world. Returns its slot.
+  int start(TimeNs t_ns, const SE3<S>& T_world_body) {
+    window_.clear();
+    const int slot = window_.insert(t_ns, T_world_body);
+    prior_.J0.resize(6, dim);
+    prior_.J0.setZero();
+    prior_.J0.template block<3, 3>(0, slot * block_dim).diagonal().setConstant(1 / options_.sigma_first_rotation);
+    prior_.J0.template block<3, 3>(3, slot * block_dim + 3).diagonal().setConstant(1 / options_.sigma_first_position);
+    prior_.r0.setZero(6);
+    window_.pose(slot).fix_linearization_point();
+    return slot;
+  }
+
+  int insert(TimeNs t_ns, const SE3<S>& T_world_body) { return window_.insert(t_ns, T_world_body); }
+
+  LevenbergMarquardtSummary optimize(const Sensors& rig, FeatureSet& features) {
+    Problem problem{*this, rig, features, rig.T_body_cam()};
+    const LevenbergMarquardtSummary summary = levenberg_marquardt(problem, options_.solver);
+    views_.linearize(window_, problem.T_body_cam);
+    for_each(features, [&](auto& map, auto& terms) { terms.finish(rig, map, window_, views_); });
+    return summary;
+  }
+
+  /// Turns the keyframe in `slot` and all landmarks anchored in it into prior information on the others.
+  void marginalize(const Sensors& rig, FeatureSet& features, int slot) {
+    const SE3<S> T_body_cam = rig.T_body_cam();
+    views_.linearize(window_, T_body_cam);
+    marginalizer_.reset(dim);
+    marginalizer_.add_rows(prior_.J0, prior_.r0);
+    const Vec<double, dim> e = corrections();
+    for_each(features, [&](auto& map, auto& terms) {
+      terms.for_each_anchored_in(slot, rig, map, window_, views_, [&](const auto& landmark) {
+        constexpr int columns = std::remove_cvref_t<decltype(landmark)>::landmark_dim;
+        static_assert(columns <= max_landmark_dim && std::remove_cvref_t<decltype(landmark)>::max_rows <= max_rows);
+        const int rows = landmark.rows();
+        work_.resize(rows, columns + dim + 1);
+        const int rank = landmark.reduced_rows(work_, block_dim);
+        if (rows <= rank) return;
+        const auto J = work_.block(rank, columns, rows - rank, dim);
+        work_.col(columns + dim).tail(rows - rank) -= J * e;  // the prior's residual belongs to e = 0
+        marginalizer_.add_rows(J, work_.col(columns + dim).tail(rows - rank));
+      });
+      map.remove_keyframe(slot);
+    });
+    // The prior keeps a column for every slot; those of free slots are zero.
+    const int before = slot * block_dim, after = dim - before - block_dim;
+    if (marginalizer_.marginalize(before, block_dim, reduced_)) {
+      prior_.J0.resize(dim - block_dim, dim);
+      prior_.J0.leftCols(before) = reduced_.J0.leftCols(before);
+      prior_.J0.rightCols(after) = reduced_.J0.rightCols(after);
+      prior_.r0 = reduced_.r0;
+    }
+    prior_.J0.middleCols(before, block_dim).setZero();
+    window_.remove(slot);
+    for (int k = 0; k < K; ++k) {
+      if (window_[k].used && !prior_.J0.middleCols(k * block_dim, block_dim).isZero(0)) {
+        window_.pose(k).fix_linearization_point();
+      }
+    }
+  }
+
+  /// The keyframe whose view the others replace best: far from the newest, near to the others, distances in units of the
+  /// scene's depth and of the field of view. Never one of the two newest.
+  int most_redundant(S mean_depth) const {
+    const int newest = window_.newest();
+    int second = -1, worst = -1;
+    for (int k = 0; k < K; ++k) {
+      if (window_[k].used && k != newest && (second < 0 || window_[k].sequence > window_[second].sequence)) second = k;
+    }
+    S worst_score = S(-1);
+    for (int k = 0; k < K; ++k) {
+      if (!window_[k].used || k == newest || k == second) continue;
+      S crowd = S(0);
+      for (int j = 0; j < K; ++j) {
+        if (window_[j].used && j != k) crowd += S(1) / (S(0.02) + distance(k, j, mean_depth));
+      }
+      const S score = std::sqrt(distance(k, newest, mean_depth)) * crowd;
+      if (score > worst_score) {
+        worst_score = score;
+        worst = k;
+      }
+    }
+    return worst;
+  }
+
+  /// Covariance of the newest keyframe's pose given the whole window, 6x6 [dphi, dp]; false when it is not defined.
+  bool newest_covariance(Mat<S, 6, 6>& covariance) const {
+    Mat<double, block_dim, block_dim> block;
+    if (!equations_.covariance_block(window_.newest(), block)) return false;
+    covariance = block.template topLeftCorner<6, 6>().template cast<S>();
+    return true;
+  }
+
+ private:
+  static constexpr int dim = K * block_dim;
+  static constexpr int max_rows = 6 * K, max_landmark_dim = 4;  ///< of one landmark of any kind
+  using Equations = NormalEquations<double, block_dim, K>;
+  template <class Map>
+  using Terms = typename Map::template WindowTerms<block_dim>;
+
+  /// What the solver sees of the window.
+  struct Problem {
+    WindowBackend& self;
+    const Sensors& rig;
+    FeatureSet& features;
+    SE3<S> T_body_cam;
+
+    double linearize() {
+      self.views_.linearize(self.window_, T_body_cam);
+      double cost = self.prior_cost();
+      self.for_each(features, [&](auto& map, auto& terms) { cost += terms.linearize(rig, map, self.window_, self.views_); });
+      return cost;
+    }
+
+    bool solve(double mu, double& predicted_decrease) {
+      self.build_equations();
+      bool eliminated = true;
+      self.for_each(features, [&](auto& map, auto& terms) {
+        eliminated = eliminated && terms.eliminate(map, S(mu), self.equations_);
+      });
+      if (!eliminated || !self.equations_.solve(mu, self.step_)) return false;
+      predicted_decrease = self.equations_.predicted_decrease(mu, self.step_);
+      self.for_each(features, [&](auto& map, auto& terms) { predicted_decrease += terms.solve(map, self.step_); });
+      return true;
+    }
+
+    double try_step() {
+      self.backup_ = self.window_;
+      for (int k = 0; k < K; ++k) {
+        if (self.window_[k].used) self.window_.pose(k).add(self.step_.template segment<6>(k * block_dim).template cast<S>());
+      }
+      self.for_each(features, [](auto& map, auto& terms) { terms.step(map); });
+      self.views_.update(self.window_, T_body_cam);
+      double cost = self.prior_cost();
+      self.for_each(features, [&](auto& map, auto& terms) { cost += terms.cost(rig, map, self.window_, self.views_); });
+      return cost;
+    }
+
+    void accept() {}
+    void reject() {
+      self.window_ = self.backup_;
+      self.for_each(features, [&](auto& map, auto& terms) { terms.restore(map); });
+    }
+  };
+
+  void for_each(FeatureSet& features, auto&& visit) {
+    features.for_each([&](auto& map) { visit(map, std::get<Terms<std::remove_cvref_t<decltype(map)>>>(terms_)); });
+  }
+
+  /// The corrections e of all poses, by slot.
+  Vec<double, dim> corrections() const {
+    Vec<double, dim> e = Vec<double, dim>::Zero();
+    for (int k = 0; k < K; ++k) {
+      if (window_[k].used) e.template segment<6>(k * block_dim) = window_[k].pose.correction().template cast<double>();
+    }
+    return e;
+  }
+
+  S distance(int a, int b, S mean_depth) const {
+    const Vec<S, 6> d = minus(window_[a].pose.value(), window_[b].pose.value());
+    return d.template head<3>().norm() + d.template tail<3>().norm() / mean_depth;
+  }
+
+  double prior_cost() const { return (prior_.r0 + prior_.J0 * corrections()).squaredNorm() / 2; }
+
+  /// The prior, and an identity for every slot without a keyframe.
+  void build_equations() {
+    equations_.reset(K);
+    equations_.add_dense(prior_.J0, prior_.r0, corrections());
+    for (int k = 0; k < K; ++k) {
+      if (window_[k].used) continue;
+      equations_.add(k, Mat<double, block_dim, block_dim>::Identity().eval(), Vec<double, block_dim>::Zero().eval(), 1.0);
+    }
+  }
+
+  Options options_;
+  Window window_, backup_;
+  WindowViews<S, K> views_;
+  Prior<dim> prior_;
+  Marginalizer<dim, 64> marginalizer_;
+  Prior<dim> reduced_;
+  Equations equations_;
+  typename Equations::Vector step_;
+  typename FeatureSet::template TupleOf<Terms> terms_;
+  BoundedMatrix<double, max_rows, max_landmark_dim + dim + 1> work_;
+};
+
+/// K keyframes.
+template <int K>
+struct SlidingWindow {
+  static_assert(K >= 3, "plumbline: a window needs at least three keyframes");
+  static constexpr int slots = K;
+
+  template <SensorRig Sensors, class FeatureSet>
+  using Backend = WindowBackend<Sensors, FeatureSet, K>;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,24 @@
+#pragma once
+/// What the estimator publishes for a frame.
+
+#include <cstdint>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/time.hpp"
+#include "plumbline/estimator/health.hpp"
+#include "plumbline/lie/se3.hpp"
+
+namespace plumbline {
+
+template <class S>
+struct Estimate {
+  TimeNs t_ns = 0;
+  SE3<S> T_world_body;                                  ///< body = camera where there is no IMU
+  Mat<S, 6, 6> covariance = Mat<S, 6, 6>::Identity();   ///< of [dphi, dp], right increments [rad, m]
+  Health health;
+  int tracked = 0;                                      ///< located landmarks that support the pose
+  bool keyframe = false;
+  std::uint32_t resets = 0;                             ///< how often the estimator had to start anew
+};
+
+}  // namespace plumbline

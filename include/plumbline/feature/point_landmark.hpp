@@ -1,0 +1,45 @@
+#pragma once
+/// A point landmark: inverse range along the unit bearing of its first observation (the anchor), the observations of it
+/// in the keyframes of the window, and the pixels it is recognized by.                     docs/math/point.md
+
+#include <array>
+#include <cstdint>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/lie/se3.hpp"
+#include "plumbline/sensor/depth_sensor.hpp"
+#include "plumbline/tracking/reference_patch.hpp"
+
+namespace plumbline {
+
+/// Where a landmark was seen in one frame.
+template <class S>
+struct PointObservation {
+  bool valid = false;
+  Vec<float, 2> uv = Vec<float, 2>::Zero();  ///< [px]
+  InverseDepth<S> depth;                     ///< of the pixel, where the sensor has one
+};
+
+template <class S, int Slots>
+struct PointLandmark {
+  std::uint32_t id = 0;
+  int anchor = 0;                               ///< slot of the keyframe whose camera the bearing belongs to
+  Vec<S, 3> bearing = Vec<S, 3>::UnitZ();       ///< unit, anchor camera
+  bool located = false;                         ///< the inverse range is known
+  S inverse_range = S(0);                       ///< lambda [1/m]
+  S sigma_inverse_range = S(0);                 ///< given the poses [1/m]
+  std::array<PointObservation<S>, Slots> observations{};  ///< in the keyframes, by slot
+  PointObservation<S> current;                  ///< in the latest frame
+  PointObservation<S> previous;                 ///< in the one before
+  int misses = 0;                               ///< consecutive frames that should have seen it and did not
+  ReferencePatch patch;                         ///< its appearance in the anchor
+
+  int observation_count() const {
+    int n = 0;
+    for (const PointObservation<S>& observation : observations) n += observation.valid;
+    return n;
+  }
+  Vec<S, 3> p_anchor_cam() const { return bearing / inverse_range; }
+};
+
+}  // namespace plumbline

@@ -1,0 +1,275 @@
+#pragma once
+/// The point landmarks of a window: found, tracked from frame to frame, recognized again and forgotten.
+///                                                                                         docs/math/point.md
+/// A landmark is followed by optical flow, then aligned with its pixels in the anchor under the warp that the estimated
+/// motion predicts: flow finds it whatever the motion, the anchor's pixels keep it from sliding. Landmarks out of sight
+/// stay in the map and are looked for where the estimated pose puts them.
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "plumbline/core/fixed_vector.hpp"
+#include "plumbline/feature/point_landmark.hpp"
+#include "plumbline/feature/point_motion_terms.hpp"
+#include "plumbline/feature/point_window_terms.hpp"
+#include "plumbline/feature/view.hpp"
+#include "plumbline/geometry/pose_ransac.hpp"
+#include "plumbline/mapping/frame_window.hpp"
+#include "plumbline/tracking/corner_detector.hpp"
+#include "plumbline/tracking/feature_alignment.hpp"
+#include "plumbline/tracking/optical_flow.hpp"
+
+namespace plumbline {
+
+struct PointOptions {
+  double sigma_px = 0.6;               ///< of an aligned observation
+  double sigma_flow_px = 1.0;          ///< of a frame-to-frame observation
+  int target_count = 180;              ///< corners are detected until this many landmarks are in sight
+  int max_misses = 8;                  ///< frames in a row that look for a landmark in vain before it is forgotten
+  int max_searches = 60;               ///< landmarks out of track that one frame looks for
+  float max_drift_px = 2.0f;           ///< flow and alignment with the anchor may differ by this much
+  OpticalFlowOptions flow;
+  AlignmentOptions alignment;
+  CornerOptions corners;
+};
+
+template <SensorRig Sensors, int Capacity, int Slots>
+class PointMap {
+ public:
+  using S = typename Sensors::Scalar;
+  using Options = PointOptions;
+  using Landmark = PointLandmark<S, Slots>;
+  using Window = FrameWindow<S, Slots>;
+  using Landmarks = FixedVector<Landmark, Capacity>;
+  template <int BlockDim>
+  using WindowTerms = PointWindowTerms<Sensors, PointMap, BlockDim>;
+  using MotionTerms = PointMotionTerms<Sensors, PointMap>;
+
+  explicit PointMap(const Options& options) : options_(options) {}
+
+  const Options& options() const { return options_; }
+  const Landmarks& landmarks() const { return landmarks_; }
+  Landmarks& landmarks() { return landmarks_; }
+
+  /// Landmarks with known inverse range that the latest frame sees.
+  int tracked_count() const {
+    int n = 0;
+    for (const Landmark& landmark : landmarks_) n += landmark.current.valid && landmark.located;
+    return n;
+  }
+
+  /// Follows all landmarks of the previous frame into the current one, starting where the predicted pose sees them.
+  void track(const View<Sensors>& view, const Window& window, const SE3<S>& T_world_body_previous,
+             const SE3<S>& T_world_body_predicted) {
+    const SE3<S> T_cam_world = (T_world_body_predicted * view.T_body_cam).inverse();
+    const SO3<S> R_cam_previous = T_cam_world.rotation() * (T_world_body_previous * view.T_body_cam).rotation();
+    for (Landmark& landmark : landmarks_) {
+      landmark.previous = landmark.current;
+      if (!landmark.current.valid) continue;
+      const Vec<float, 2> uv = landmark.current.uv;
+      Vec<S, 3> p_cam;
+      if (landmark.located) {
+        p_cam = T_cam_world * p_world(landmark, window, view.T_body_cam);
+      } else {
+        p_cam = R_cam_previous * view.rig.vision.camera.unproject(uv.template cast<S>()).bearing;
+      }
+      const Projection<S> predicted = view.rig.vision.camera.project(p_cam);
+      Vec<float, 2> guess = uv;
+      if (predicted.valid && inside(view, predicted.uv, 0)) guess = predicted.uv.template cast<float>();
+      const FlowResult flow = track_point_checked(view.previous, view.current, uv, guess, options_.flow);
+      observe(view, landmark, flow.valid, flow.uv);
+    }
+  }
+
+  /// Finds the pose most located landmarks agree on, beginning with `T_world_body`, and takes the others out of the
+  /// frame. Leaves the pose alone when none is found.
+  void reject_outliers(const View<Sensors>& view, const Window& window, const PoseRansacOptions& options,
+                       SE3<S>& T_world_body) {
+    correspondences_.clear();
+    indices_.clear();
+    const typename Sensors::Camera& camera = view.rig.vision.camera;
+    const S sigma_rad = S(options_.sigma_flow_px) / effective_focal_length(camera);
+    for (std::size_t i = 0; i < landmarks_.size(); ++i) {
+      const Landmark& landmark = landmarks_[i];
+      if (!landmark.current.valid || !landmark.located) continue;
+      const Unprojection<S> ray = camera.unproject(landmark.current.uv.template cast<S>());
+      if (!ray.valid) continue;
+      correspondences_.push_back({ray.bearing, p_world(landmark, window, view.T_body_cam), sigma_rad});
+      indices_.push_back(i);
+    }
+    const auto found = ransac_pose(correspondences_, (T_world_body * view.T_body_cam).inverse(), options);
+    if (!found.valid) return;
+    T_world_body = (view.T_body_cam * found.T_cam_world).inverse();
+    for (std::size_t k = 0; k < indices_.size(); ++k) {
+      if (!found.inlier[k]) landmarks_[indices_[k]].current.valid = false;
+    }
+  }
+
+  void reject_current(int index) { landmarks_[static_cast<std::size_t>(index)].current.valid = false; }
+
+  /// Aligns every landmark that the pose puts into the image with its pixels in the anchor: tracked ones are corrected,
+  /// lost ones found again.
+  void align(const View<Sensors>& view, const Window& window, const SE3<S>& T_world_body) {
+    const SE3<S> T_world_cam = T_world_body * view.T_body_cam;
+    const SE3<S> T_cam_world = T_world_cam.inverse();
+    int searches = 0;
+    // Which landmarks get searched for rotates, so that none is left out for ever.
+    const std::size_t n = landmarks_.size();
+    for (std::size_t k = 0; k < n; ++k) {
+      Landmark& landmark = landmarks_[(k + first_search_) % n];
+      if (!landmark.located) continue;
+      const bool tracked = landmark.current.valid;
+      if (!tracked && searches >= options_.max_searches) continue;
+      const SE3<S> T_cam_anchor = T_cam_world * (window[landmark.anchor].pose.value() * view.T_body_cam);
+      const Projection<S> predicted = view.rig.vision.camera.project(T_cam_anchor * landmark.p_anchor_cam());
+      if (!predicted.valid || !inside(view, predicted.uv, border_px)) continue;
+      if (!tracked) ++searches;
+      const typename Sensors::Camera& camera = view.rig.vision.camera;
+      const Mat<float, 2, 2> A =
+          affine_warp(camera, camera, landmark.bearing, S(1) / landmark.inverse_range, T_cam_anchor);
+      const Vec<float, 2> start = tracked ? landmark.current.uv : predicted.uv.template cast<float>();
+      AlignmentOptions alignment = options_.alignment;
+      alignment.coarse_start = !tracked;
+      const Alignment aligned = align_patch(landmark.patch, A, view.current, start, alignment);
+      if (tracked) {
+        if (aligned.valid && (aligned.uv - start).norm() < options_.max_drift_px) observe(view, landmark, true, aligned.uv);
+      } else {
+        observe(view, landmark, aligned.valid, aligned.uv);
+      }
+    }
+    if (n > 0) first_search_ = (first_search_ + static_cast<std::size_t>(options_.max_searches)) % n;
+  }
+
+  /// Records what the latest frame saw as observations of the keyframe in `slot`, which becomes the anchor of landmarks
+  /// made from newly found corners.
+  void insert_keyframe(const View<Sensors>& view, const Window& window, int slot) {
+    for (Landmark& landmark : landmarks_) {
+      landmark.observations[static_cast<std::size_t>(slot)] = landmark.current;
+      if (!landmark.located && landmark.current.valid) locate_from_depth(view, window, landmark, slot);
+    }
+    detect(view, slot);
+  }
+
+  /// Forgets the keyframe in `slot` and every landmark that is anchored there.
+  void remove_keyframe(int slot) {
+    for (std::size_t i = landmarks_.size(); i-- > 0;) {
+      landmarks_[i].observations[static_cast<std::size_t>(slot)].valid = false;
+      if (landmarks_[i].anchor == slot) landmarks_.swap_remove(i);
+    }
+  }
+
+  /// Forgets landmarks that cannot be of use any more.
+  void prune() {
+    for (std::size_t i = landmarks_.size(); i-- > 0;) {
+      const Landmark& landmark = landmarks_[i];
+      const bool lost = !landmark.current.valid;
+      if (lost && (!landmark.located || landmark.misses > options_.max_misses)) landmarks_.swap_remove(i);
+    }
+  }
+
+  void clear() { landmarks_.clear(); }
+
+  /// Back to what the frame before saw, for a frame that could not be used.
+  void undo_frame() {
+    for (Landmark& landmark : landmarks_) landmark.current = landmark.previous;
+  }
+
+  /// Adds up how far [px] the landmarks in sight moved since the keyframe in `slot`.
+  void add_motion_since(int slot, double& sum_px, int& count) const {
+    for (const Landmark& landmark : landmarks_) {
+      const PointObservation<S>& then = landmark.observations[static_cast<std::size_t>(slot)];
+      if (!landmark.current.valid || !then.valid) continue;
+      sum_px += (landmark.current.uv - then.uv).norm();
+      ++count;
+    }
+  }
+
+  /// Adds up the inverse ranges of the landmarks in sight, from their anchors [1/m].
+  void add_inverse_ranges(S& sum, int& count) const {
+    for (const Landmark& landmark : landmarks_) {
+      if (!landmark.current.valid || !landmark.located) continue;
+      sum += landmark.inverse_range;
+      ++count;
+    }
+  }
+
+  /// World coordinates of a located landmark.
+  static Vec<S, 3> p_world(const Landmark& landmark, const Window& window, const SE3<S>& T_body_cam) {
+    return window[landmark.anchor].pose.value() * (T_body_cam * landmark.p_anchor_cam());
+  }
+
+ private:
+  static constexpr float border_px = 8;  ///< half an alignment patch and the interpolation's neighbour
+
+  static bool inside(const View<Sensors>& view, const Vec<S, 2>& uv, float border) {
+    return view.current.level(0).contains(float(uv.x()), float(uv.y()), border);
+  }
+
+  void observe(const View<Sensors>& view, Landmark& landmark, bool valid, const Vec<float, 2>& uv) {
+    landmark.current.valid = valid;
+    if (!valid) {
+      ++landmark.misses;
+      return;
+    }
+    landmark.misses = 0;
+    landmark.current.uv = uv;
+    if constexpr (Sensors::has_depth) landmark.current.depth = view.rig.vision.depth.at(view.depth, uv);
+  }
+
+  /// The inverse range of a landmark from the depth measured in keyframe `slot`.
+  void locate_from_depth(const View<Sensors>& view, const Window& window, Landmark& landmark, int slot) {
+    const InverseDepth<S>& depth = landmark.current.depth;
+    if (!depth.valid) return;
+    const Unprojection<S> ray = view.rig.vision.camera.unproject(landmark.current.uv.template cast<S>());
+    if (!ray.valid) return;
+    const SE3<S> T_anchor_cam = (window[landmark.anchor].pose.value() * view.T_body_cam).inverse() *
+                                (window[slot].pose.value() * view.T_body_cam);
+    const Vec<S, 3> p_cam = ray.bearing / (depth.value * ray.bearing.z());
+    const Vec<S, 3> p_anchor = T_anchor_cam * p_cam;
+    const S range = p_anchor.norm();
+    // The anchor's pixel and the depth elsewhere must tell of the same direction.
+    if (!(p_anchor.dot(landmark.bearing) > S(0.999) * range)) return;
+    landmark.located = true;
+    landmark.inverse_range = S(1) / range;
+    landmark.sigma_inverse_range = depth.sigma * ray.bearing.z();
+  }
+
+  void detect(const View<Sensors>& view, int slot) {
+    FixedVector<Vec<float, 2>, Capacity> in_sight;
+    for (const Landmark& landmark : landmarks_) {
+      if (landmark.current.valid) in_sight.push_back(landmark.current.uv);
+    }
+    corners_.clear();
+    detect_corners(view.current.level(0), in_sight.data(), in_sight.size(), options_.corners, corners_);
+    int missing = options_.target_count - static_cast<int>(in_sight.size());
+    for (const Corner& corner : corners_) {
+      if (missing <= 0 || landmarks_.full()) break;
+      Landmark landmark;
+      const Unprojection<S> ray = view.rig.vision.camera.unproject(corner.uv.template cast<S>());
+      if (!ray.valid || !landmark.patch.capture(view.current, corner.uv)) continue;
+      landmark.id = next_id_++;
+      landmark.anchor = slot;
+      landmark.bearing = ray.bearing;
+      observe(view, landmark, true, corner.uv);
+      landmark.observations[static_cast<std::size_t>(slot)] = landmark.current;
+      if (landmark.current.depth.valid) {
+        landmark.located = true;
+        landmark.inverse_range = landmark.current.depth.value * ray.bearing.z();
+        landmark.sigma_inverse_range = landmark.current.depth.sigma * ray.bearing.z();
+      }
+      landmarks_.push_back(landmark);
+      --missing;
+    }
+  }
+
+  Options options_;
+  Landmarks landmarks_;
+  FixedVector<Corner, Capacity> corners_;
+  FixedVector<PoseCorrespondence<S>, Capacity> correspondences_;
+  FixedVector<std::size_t, Capacity> indices_;
+  std::size_t first_search_ = 0;
+  std::uint32_t next_id_ = 0;
+};
+
+}  // namespace plumbline

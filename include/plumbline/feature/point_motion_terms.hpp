@@ -1,0 +1,120 @@
+#pragma once
+/// What the points say about the pose of one frame, their map being given.                 docs/math/point.md
+///
+/// A landmark's own uncertainty widens its residual along the direction in which it would move the observation:
+///   Sigma_uv = sigma_px^2 I + j j^T,  j = J_uv_lambda sigma_lambda,   Sigma_z = sigma_z^2 + (J_z_lambda sigma_lambda)^2
+///   Sigma_uv^-1/2 = (I - c j j^T / |j|^2) / sigma_px,  c = 1 - sigma_px / sqrt(sigma_px^2 + |j|^2)          (10)
+/// so that landmarks just found from one noisy depth do not outvote those seen for long.
+
+#include <cmath>
+#include <cstddef>
+
+#include "plumbline/core/fixed_vector.hpp"
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/feature/point_landmark.hpp"
+#include "plumbline/feature/view.hpp"
+#include "plumbline/residual/world_point.hpp"
+#include "plumbline/solver/gauss_newton.hpp"
+#include "plumbline/solver/robust_loss.hpp"
+
+namespace plumbline {
+
+template <SensorRig Sensors, class Map>
+class PointMotionTerms {
+ public:
+  using S = typename Sensors::Scalar;
+  using Landmark = typename Map::Landmark;
+  using Window = typename Map::Window;
+
+  /// All located landmarks that the latest frame sees.
+  void collect(const View<Sensors>& view, const Map& map, const Window& window) {
+    points_.clear();
+    for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
+      const Landmark& landmark = map.landmarks()[i];
+      if (!landmark.current.valid || !landmark.located) continue;
+      const SE3<S> T_world_cam = window[landmark.anchor].pose.value() * view.T_body_cam;
+      const Vec<S, 3> p_cam = landmark.p_anchor_cam();
+      points_.push_back({static_cast<int>(i), T_world_cam * p_cam,
+                         T_world_cam.rotation() * Vec<S, 3>(p_cam * (landmark.sigma_inverse_range / landmark.inverse_range)),
+                         landmark.current});
+    }
+  }
+
+  std::size_t size() const { return points_.size(); }
+
+  /// Adds the weighted rows at a pose.
+  void accumulate(const Sensors& rig, const Map& map, const BodyView<S>& view, DenseNormalEquations<S, 6>& system) const {
+    for (const Point& point : points_) {
+      const Whitened whitened = whiten(rig, map, view, point);
+      if (!whitened.valid) continue;
+      const S s = whitened.r_uv.squaredNorm();
+      system.add(whitened.J_uv, whitened.r_uv, pixel_loss_.weight(s));
+      system.add_cost(pixel_loss_.rho(s));
+      if (!whitened.has_depth) continue;
+      const S s_z = whitened.r_z.squaredNorm();
+      system.add(whitened.J_z, whitened.r_z, depth_loss_.weight(s_z));
+      system.add_cost(depth_loss_.rho(s_z));
+    }
+  }
+
+  /// Takes observations beyond `chi2` (two degrees of freedom) out of the frame; returns how many stay.
+  int gate(const Sensors& rig, Map& map, const BodyView<S>& view, S chi2) const {
+    int inliers = 0;
+    for (const Point& point : points_) {
+      const Whitened whitened = whiten(rig, map, view, point);
+      if (whitened.valid && whitened.r_uv.squaredNorm() < chi2) {
+        ++inliers;
+      } else {
+        map.reject_current(point.index);
+      }
+    }
+    return inliers;
+  }
+
+ private:
+  struct Point {
+    int index;
+    Vec<S, 3> p_world;
+    Vec<S, 3> sigma_world;  ///< one standard deviation of the inverse range, as a move in the world
+    PointObservation<S> seen;
+  };
+  struct Whitened {
+    bool valid, has_depth;
+    Vec<S, 2> r_uv;
+    Mat<S, 2, 6> J_uv;
+    Vec<S, 1> r_z;
+    Mat<S, 1, 6> J_z;
+  };
+
+  Whitened whiten(const Sensors& rig, const Map& map, const BodyView<S>& view, const Point& point) const {
+    Whitened out;
+    const auto pixel = PointReprojection<typename Sensors::Camera>{point.seen.uv.template cast<S>()}.linearize(
+        rig.vision.camera, view, point.p_world);
+    out.valid = pixel.valid;
+    if (!out.valid) return out;
+    const S sigma = S(map.options().sigma_px);
+    const Vec<S, 2> j = pixel.J_r_point * point.sigma_world;
+    const S jj = j.squaredNorm();
+    Mat<S, 2, 2> W = Mat<S, 2, 2>::Identity();
+    if (jj > S(1e-12)) W -= ((S(1) - sigma / std::sqrt(sigma * sigma + jj)) / jj) * j * j.transpose();  // (10)
+    W /= sigma;
+    out.r_uv.noalias() = W * pixel.r;
+    out.J_uv.noalias() = W * pixel.J_r_pose;
+    out.has_depth = point.seen.depth.valid;
+    if (!out.has_depth) return out;
+    const auto depth = PointInverseDepth<S>{point.seen.depth.value}.linearize(view, point.p_world);
+    out.has_depth = depth.valid;
+    if (!out.has_depth) return out;
+    const S j_z = depth.J_r_point.row(0).dot(point.sigma_world);
+    const S w = S(1) / std::sqrt(point.seen.depth.sigma * point.seen.depth.sigma + j_z * j_z);
+    out.r_z = w * depth.r;
+    out.J_z = w * depth.J_r_pose;
+    return out;
+  }
+
+  Huber<S> pixel_loss_{S(2.45)};  ///< sqrt(chi2_95_2dof)
+  Huber<S> depth_loss_{S(1.345)};
+  FixedVector<Point, Map::Landmarks::capacity()> points_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,222 @@
+#pragma once
+/// What the points add to a window's cost: their rows, eliminated one landmark at a time.   docs/math/window.md
+///
+///   cost = 1/2 sum rho(|r_uv|^2 / sigma_px^2) + 1/2 sum rho(r_z^2 / sigma_z^2)
+/// over reprojections in every keyframe but the anchor and inverse depths measured in every keyframe, anchor included.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/feature/point_landmark.hpp"
+#include "plumbline/mapping/window_views.hpp"
+#include "plumbline/residual/inverse_depth_point.hpp"
+#include "plumbline/sensor/rig.hpp"
+#include "plumbline/solver/landmark_elimination.hpp"
+#include "plumbline/solver/robust_loss.hpp"
+
+namespace plumbline {
+
+template <SensorRig Sensors, class Map, int BlockDim>
+class PointWindowTerms {
+ public:
+  using S = typename Sensors::Scalar;
+  using Window = typename Map::Window;
+  using Landmark = typename Map::Landmark;
+  using Views = WindowViews<S, Window::slots>;
+  static constexpr int slots = Window::slots;
+  static constexpr int rows_per_view = Sensors::has_depth ? 3 : 2;
+  static constexpr int max_rows = rows_per_view * slots;
+  using Elimination = LandmarkElimination<S, 1, BlockDim, slots, max_rows>;
+  static constexpr S lambda_min = S(1e-3), lambda_max = S(20);  ///< inverse range stays in this interval [1/m]
+
+  /// True when a landmark takes part: located and seen by a keyframe besides its anchor.
+  static bool takes_part(const Landmark& landmark) { return landmark.located && landmark.observation_count() >= 2; }
+
+  /// Linearizes all landmarks at the current state and returns their cost.
+  double linearize(const Sensors& rig, const Map& map, const Window& window, const Views& views) {
+    double cost = 0;
+    for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
+      const Landmark& landmark = map.landmarks()[i];
+      if (takes_part(landmark)) cost += rows_of(rig, map, landmark, window, views, eliminations_[i]).cost;
+    }
+    return cost;
+  }
+
+  /// Eliminates all landmarks with damping `mu` and adds what is left of them to the normal equations.
+  template <class Equations>
+  bool eliminate(const Map& map, S mu, Equations& equations) {
+    for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
+      if (!takes_part(map.landmarks()[i])) continue;
+      if (!eliminations_[i].eliminate(mu)) return false;
+      eliminations_[i].add_to(equations);
+    }
+    return true;
+  }
+
+  /// The landmarks' steps that belong to the poses' step d; returns what they add to the predicted decrease.
+  template <class Vector>
+  double solve(const Map& map, const Vector& d) {
+    double predicted = 0;
+    for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
+      steps_[i] = S(0);
+      if (!takes_part(map.landmarks()[i])) continue;
+      const Vec<S, 1> dl = eliminations_[i].back_substitute(d, Sensors::state_dim);
+      predicted += eliminations_[i].predicted_decrease(dl);
+      steps_[i] = dl(0);
+    }
+    return predicted;
+  }
+
+  /// Makes those steps; `restore` takes them back.
+  void step(Map& map) {
+    for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
+      S& lambda = map.landmarks()[i].inverse_range;
+      backup_[i] = lambda;
+      if (steps_[i] != S(0)) lambda = std::clamp(lambda + steps_[i], lambda_min, lambda_max);
+    }
+  }
+  void restore(Map& map) const {
+    for (std::size_t i = 0; i < map.landmarks().size(); ++i) map.landmarks()[i].inverse_range = backup_[i];
+  }
+
+  /// The cost alone, at the current state.
+  double cost(const Sensors& rig, const Map& map, const Window& window, const Views& views) const {
+    double sum = 0;
+    for (const Landmark& landmark : map.landmarks()) {
+      if (!takes_part(landmark)) continue;
+      for (int slot = 0; slot < slots; ++slot) {
+        const PointObservation<S>& seen = landmark.observations[slot];
+        if (!seen.valid || !window[slot].used) continue;
+        if (slot == landmark.anchor) {
+          if (seen.depth.valid) sum += depth_loss_.rho(square(anchor_depth_error(landmark) / seen.depth.sigma)) / 2;
+          continue;
+        }
+        const Vec<S, 3> p =
+            views.current(landmark.anchor, slot).scaled_point(landmark.bearing, landmark.inverse_range);
+        const Projection<S> projection = rig.vision.camera.project(p);
+        if (!projection.valid) {
+          sum += invalid_cost;
+          continue;
+        }
+        const S sigma = S(map.options().sigma_px);
+        sum += pixel_loss_.rho((projection.uv - seen.uv.template cast<S>()).squaredNorm() / square(sigma)) / 2;
+        if (seen.depth.valid) {
+          sum += depth_loss_.rho(square((landmark.inverse_range / p.z() - seen.depth.value) / seen.depth.sigma)) / 2;
+        }
+      }
+    }
+    return sum;
+  }
+
+  /// After convergence: the landmarks' standard deviations given the poses, and observations that do not belong.
+  void finish(const Sensors& rig, Map& map, const Window& window, const Views& views) {
+    for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
+      Landmark& landmark = map.landmarks()[i];
+      if (!takes_part(landmark)) continue;
+      drop_outliers(rig, map, landmark, views);
+      const S information = rows_of(rig, map, landmark, window, views, eliminations_[i]).information;
+      if (information > S(0)) landmark.sigma_inverse_range = S(1) / std::sqrt(information);
+    }
+  }
+
+  /// Gives `take` the rows of every landmark anchored in `slot`; residuals are those of the current state.
+  void for_each_anchored_in(int slot, const Sensors& rig, const Map& map, const Window& window, const Views& views,
+                            auto&& take) {
+    for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
+      const Landmark& landmark = map.landmarks()[i];
+      if (landmark.anchor != slot || !takes_part(landmark)) continue;
+      rows_of(rig, map, landmark, window, views, eliminations_[i]);
+      take(std::as_const(eliminations_[i]));
+    }
+  }
+
+ private:
+  static constexpr double invalid_cost = 100;  ///< of an observation that the current state cannot explain at all
+  static constexpr S drop_chi2 = S(25);        ///< whitened squared error beyond which an observation is an outlier
+
+  struct RowsSummary {
+    double cost = 0;
+    S information = S(0);  ///< of the inverse range, given the poses
+  };
+
+  static S square(S x) { return x * x; }
+  static S anchor_depth_error(const Landmark& landmark) {
+    return landmark.inverse_range / landmark.bearing.z() - landmark.observations[landmark.anchor].depth.value;
+  }
+
+  /// All rows of one landmark, whitened and weighted; Jacobians at the linearization points, residuals at the current
+  /// state.
+  RowsSummary rows_of(const Sensors& rig, const Map& map, const Landmark& landmark, const Window& window,
+                 const Views& views, Elimination& rows) const {
+    rows.reset();
+    RowsSummary sum;
+    const int anchor = landmark.anchor;
+    const S lambda = landmark.inverse_range, inverse_sigma_px = S(1) / S(map.options().sigma_px);
+    for (int slot = 0; slot < slots; ++slot) {
+      const PointObservation<S>& seen = landmark.observations[slot];
+      if (!seen.valid || !window[slot].used) continue;
+      if (slot == anchor) {
+        if (!seen.depth.valid) continue;
+        const S r = anchor_depth_error(landmark) / seen.depth.sigma;
+        const S w = std::sqrt(depth_loss_.weight(r * r));
+        sum.cost += depth_loss_.rho(r * r) / 2;
+        const S J = w / (seen.depth.sigma * landmark.bearing.z());
+        sum.information += J * J;
+        rows.template add<1>(Mat<S, 1, 1>(J), Vec<S, 1>(w * r));
+        continue;
+      }
+      const Vec<S, 3> p = views.current(anchor, slot).scaled_point(landmark.bearing, lambda);
+      const Projection<S> projection = rig.vision.camera.project(p);
+      const InverseDepthReprojection<typename Sensors::Camera> reprojection{seen.uv.template cast<S>()};
+      auto pixel = reprojection.linearize(rig.vision.camera, views.linear(anchor, slot), landmark.bearing, lambda);
+      if (!projection.valid || !pixel.valid) {
+        sum.cost += invalid_cost;
+        continue;
+      }
+      pixel.r = projection.uv - reprojection.uv_measured;
+      const S s = pixel.r.squaredNorm() * square(inverse_sigma_px);
+      sum.cost += pixel_loss_.rho(s) / 2;
+      const S w = std::sqrt(pixel_loss_.weight(s)) * inverse_sigma_px;
+      sum.information += square(w) * pixel.J_r_lambda.squaredNorm();
+      add(rows, anchor, slot, pixel, w);
+      if (!seen.depth.valid) continue;
+      auto depth = InverseDepthMeasurement<S>{seen.depth.value}.linearize(views.linear(anchor, slot), landmark.bearing, lambda);
+      if (!depth.valid) continue;
+      depth.r(0) = lambda / p.z() - seen.depth.value;
+      const S s_z = square(depth.r(0) / seen.depth.sigma);
+      sum.cost += depth_loss_.rho(s_z) / 2;
+      const S w_z = std::sqrt(depth_loss_.weight(s_z)) / seen.depth.sigma;
+      sum.information += square(w_z * depth.J_r_lambda(0));
+      add(rows, anchor, slot, depth, w_z);
+    }
+    return sum;
+  }
+
+  template <int Rows>
+  static void add(Elimination& rows, int anchor, int slot, const AnchoredLinearization<S, Rows>& lin, S w) {
+    rows.template add<Rows>(anchor, Mat<S, Rows, 6>(w * lin.J_r_anchor), slot, Mat<S, Rows, 6>(w * lin.J_r_target),
+                            Mat<S, Rows, 1>(w * lin.J_r_lambda), Vec<S, Rows>(w * lin.r));
+  }
+
+  void drop_outliers(const Sensors& rig, const Map& map, Landmark& landmark, const Views& views) const {
+    for (int slot = 0; slot < slots; ++slot) {
+      PointObservation<S>& seen = landmark.observations[slot];
+      if (!seen.valid || slot == landmark.anchor) continue;
+      const Vec<S, 3> p = views.current(landmark.anchor, slot).scaled_point(landmark.bearing, landmark.inverse_range);
+      const Projection<S> projection = rig.vision.camera.project(p);
+      const S limit = drop_chi2 * square(S(map.options().sigma_px));
+      if (!(projection.valid && (projection.uv - seen.uv.template cast<S>()).squaredNorm() < limit)) seen.valid = false;
+    }
+  }
+
+  Huber<S> pixel_loss_{S(2.45)};  ///< sqrt(chi2_95_2dof)
+  Huber<S> depth_loss_{S(1.345)};
+  std::array<Elimination, Map::Landmarks::capacity()> eliminations_;
+  std::array<S, Map::Landmarks::capacity()> steps_, backup_;
+};
+
+}  // namespace plumbline

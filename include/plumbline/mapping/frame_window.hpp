@@ -1,0 +1,96 @@
+#pragma once
+/// The keyframes of a sliding window, each in a slot that it keeps while it lives.          docs/math/window.md
+///
+/// A pose that the marginalization prior touches keeps its linearization point x0 for ever and moves by a correction,
+/// x = x0 [+] e (first-estimate Jacobians): increments are added to e, Jacobians are taken at x0, and the prior is
+/// exactly r0 + J0 e. Every other pose is its own linearization point.
+
+#include <array>
+#include <cstdint>
+
+#include "plumbline/core/assert.hpp"
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/time.hpp"
+#include "plumbline/lie/plus.hpp"
+#include "plumbline/lie/se3.hpp"
+
+namespace plumbline {
+
+template <class S>
+class WindowPose {
+ public:
+  WindowPose() = default;
+  explicit WindowPose(const SE3<S>& T_world_body) : T_(T_world_body), T_linear_(T_world_body) {}
+
+  const SE3<S>& value() const { return T_; }
+  const SE3<S>& linearization_point() const { return T_linear_; }
+  /// e; zero for a pose that no prior touches.
+  const Vec<S, 6>& correction() const { return e_; }
+
+  void add(const Vec<S, 6>& d) {
+    if (fixed_) {
+      e_ += d;
+      T_ = plus(T_linear_, e_);
+    } else {
+      T_ = T_linear_ = plus(T_, d);
+    }
+  }
+  /// From now on a prior refers to this linearization point.
+  void fix_linearization_point() { fixed_ = true; }
+
+ private:
+  SE3<S> T_, T_linear_;
+  Vec<S, 6> e_ = Vec<S, 6>::Zero();
+  bool fixed_ = false;
+};
+
+template <class S, int Slots>
+class FrameWindow {
+ public:
+  static constexpr int slots = Slots;
+
+  struct Keyframe {
+    bool used = false;
+    TimeNs t_ns = 0;
+    std::uint32_t sequence = 0;  ///< counts keyframes; larger is newer
+    WindowPose<S> pose;
+  };
+
+  const Keyframe& operator[](int slot) const { return keyframes_[slot]; }
+  WindowPose<S>& pose(int slot) { return keyframes_[slot].pose; }
+  int size() const { return size_; }
+  bool full() const { return size_ == Slots; }
+  /// Slot of the newest keyframe; only when there is one.
+  int newest() const { return newest_; }
+
+  /// Puts a keyframe into a free slot and returns it. The window must not be full.
+  int insert(TimeNs t_ns, const SE3<S>& T_world_body) {
+    PLUMBLINE_ASSERT(!full());
+    int slot = 0;
+    while (keyframes_[slot].used) ++slot;
+    keyframes_[slot] = {true, t_ns, ++sequence_, WindowPose<S>(T_world_body)};
+    ++size_;
+    newest_ = slot;
+    return slot;
+  }
+
+  /// Frees a slot. The newest keyframe can only leave with all others.
+  void remove(int slot) {
+    PLUMBLINE_ASSERT(keyframes_[slot].used && slot != newest_);
+    keyframes_[slot].used = false;
+    --size_;
+  }
+
+  void clear() {
+    for (Keyframe& keyframe : keyframes_) keyframe.used = false;
+    size_ = 0;
+  }
+
+ private:
+  std::array<Keyframe, Slots> keyframes_{};
+  int size_ = 0;
+  int newest_ = 0;
+  std::uint32_t sequence_ = 0;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,31 @@
+#pragma once
+/// A single gray camera. The largest image it may deliver is part of the type: it sizes every image buffer.
+
+#include <cstddef>
+#include <cstdint>
+
+#include "plumbline/camera/camera_model.hpp"
+#include "plumbline/core/time.hpp"
+#include "plumbline/image/image_view.hpp"
+
+namespace plumbline {
+
+template <CameraModel CameraT, std::size_t MaxPixels = 752 * 480>
+struct Mono {
+  using Camera = CameraT;
+  using Scalar = typename Camera::Scalar;
+  static constexpr std::size_t max_pixels = MaxPixels;
+  static constexpr bool has_depth = false;
+
+  /// What the sensor delivers; the pixels must stay alive during the call that gets it.
+  struct Frame {
+    TimeNs t_ns = 0;
+    ImageView<const std::uint8_t> gray;
+  };
+
+  Camera camera;
+  int width = 0;   ///< [px] of every image
+  int height = 0;  ///< [px]
+};
+
+}  // namespace plumbline

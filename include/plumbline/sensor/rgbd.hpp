@@ -1,0 +1,34 @@
+#pragma once
+/// A camera with depth images registered to it pixel for pixel.
+
+#include <cstddef>
+#include <cstdint>
+
+#include "plumbline/camera/camera_model.hpp"
+#include "plumbline/core/time.hpp"
+#include "plumbline/image/image_view.hpp"
+#include "plumbline/sensor/depth_sensor.hpp"
+
+namespace plumbline {
+
+template <CameraModel CameraT, std::size_t MaxPixels = 752 * 480>
+struct Rgbd {
+  using Camera = CameraT;
+  using Scalar = typename Camera::Scalar;
+  static constexpr std::size_t max_pixels = MaxPixels;
+  static constexpr bool has_depth = true;
+
+  /// What the sensor delivers. An empty depth view is a frame without depth; it is used as one of a gray camera.
+  struct Frame {
+    TimeNs t_ns = 0;
+    ImageView<const std::uint8_t> gray;
+    ImageView<const std::uint16_t> depth;
+  };
+
+  Camera camera;
+  int width = 0;   ///< [px] of every image
+  int height = 0;  ///< [px]
+  DepthSensor<Scalar> depth;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,55 @@
+#pragma once
+/// The sensors of a robot as one type: a camera and, or not, an inertial sensor. Absence is a type, not a flag.
+
+#include <concepts>
+#include <type_traits>
+
+#include "plumbline/camera/camera_model.hpp"
+#include "plumbline/lie/se3.hpp"
+
+namespace plumbline {
+
+/// No inertial sensor: no state, no memory, no code. The body frame is the camera frame.
+struct NoImu {
+  static constexpr int error_dim = 0;
+};
+
+template <class Vision, class Inertial = NoImu>
+struct Rig {
+  using Scalar = typename Vision::Scalar;
+  using Camera = typename Vision::Camera;
+  using Frame = typename Vision::Frame;
+  static constexpr int state_dim = 6 + Inertial::error_dim;
+  static constexpr bool has_imu = Inertial::error_dim > 0;
+  static constexpr bool has_depth = Vision::has_depth;
+
+  Vision vision;
+  [[no_unique_address]] Inertial imu{};
+
+  /// Camera to body coordinates; the identity where there is no IMU to define another body.
+  SE3<Scalar> T_body_cam() const {
+    if constexpr (has_imu) {
+      return imu.T_body_cam;
+    } else {
+      return {};
+    }
+  }
+};
+
+template <class V>
+concept VisionSensor = CameraModel<typename V::Camera> && requires(const V& vision) {
+  typename V::Frame;
+  { V::has_depth } -> std::convertible_to<bool>;
+  { vision.width } -> std::convertible_to<int>;
+  { vision.height } -> std::convertible_to<int>;
+};
+
+template <class R>
+concept SensorRig = requires(const R& rig) {
+  requires VisionSensor<std::remove_cvref_t<decltype(rig.vision)>>;
+  { R::state_dim } -> std::convertible_to<int>;
+  { R::has_imu } -> std::convertible_to<bool>;
+  { rig.T_body_cam() } -> std::same_as<SE3<typename R::Scalar>>;
+};
+
+}  // namespace plumbline
