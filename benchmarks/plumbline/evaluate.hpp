@@ -1,0 +1,19 @@
+#pragma once
+/// `plumbline evaluate`: the error of an estimated trajectory, by the definitions of the evo tool.
+
+#include <filesystem>
+#include <string>
+
+struct EvaluateOptions {
+  std::filesystem::path reference, estimate;
+  std::string align = "se3";        ///< se3, sim3, posyaw, none
+  bool json = false;                ///< instead of a table
+  double max_difference_s = 0.02;   ///< between the times of a pair of poses
+  double rpe_delta = 1;             ///< in rpe_unit
+  std::string rpe_unit = "s";       ///< s, frames, m
+  std::filesystem::path plot = {};  ///< PNG to draw, none if empty
+};
+
+/// Prints the figures to stdout; returns the exit status 0. Throws std::runtime_error for files or options that cannot
+/// be used.
+int run_evaluate(const EvaluateOptions& options);
