@@ -1,7 +1,7 @@
 #pragma once
-/// A matrix of at most MaxRows x MaxCols inside the object: no heap, and not subject to the 128 KiB to which Eigen limits
-/// its own fixed-size objects (EIGEN_STACK_ALLOCATION_LIMIT). It is an Eigen expression like any other. Its values are
-/// undefined after `resize`.
+/// A matrix of at most MaxRows x MaxCols inside the object: no heap, and not subject to the 128 KiB to which Eigen
+/// limits its own fixed-size objects (EIGEN_STACK_ALLOCATION_LIMIT). It is an Eigen expression like any other. Its
+/// values are undefined after `resize`.
 
 #include <Eigen/Core>
 #include <array>

@@ -1,7 +1,8 @@
 #pragma once
 /// Cholesky factor A = U^T U of a symmetric positive definite matrix of at most MaxDim rows, without heap.
 ///
-///   U_jj^2 = A_jj - |U_0j|^2,   U_ij = (A_ij - U_0i . U_0j) / U_ii   (columns above the diagonal)    docs/math/solver.md (9)
+///   U_jj^2 = A_jj - |U_0j|^2,   U_ij = (A_ij - U_0i . U_0j) / U_ii   (columns above the diagonal) docs/math/solver.md
+///   (9)
 /// Left-looking by columns: each number is one dot product of contiguous memory.
 
 #include <Eigen/Core>
@@ -17,8 +18,8 @@ class Cholesky {
  public:
   using Vector = Eigen::Matrix<S, Eigen::Dynamic, 1, 0, MaxDim, 1>;
 
-  /// Factor of A + diag(damping); reads the lower triangle of A (dim x dim). False when A is not positive definite to the
-  /// precision of S, or not finite.
+  /// Factor of A + diag(damping); reads the lower triangle of A (dim x dim). False when A is not positive definite to
+  /// the precision of S, or not finite.
   template <class DA, class Dd>
   bool compute(const Eigen::MatrixBase<DA>& A, const Eigen::MatrixBase<Dd>& damping) {
     const int dim = int(A.rows());

@@ -31,12 +31,13 @@ void reflect(S tau, const Eigen::MatrixBase<V>& v_tail, S& pivot, Tail&& tail) {
 
 /// A pivot below this part of the largest one counts as zero.                            docs/math/solver.md (13)
 template <class S>
-inline constexpr S rank_tolerance = std::numeric_limits<S>::epsilon() > S(1e-10) ? 10 * std::numeric_limits<S>::epsilon()
-                                                                                 : S(1e-9);
+inline constexpr S rank_tolerance = std::numeric_limits<S>::epsilon() > S(1e-10)
+                                        ? 10 * std::numeric_limits<S>::epsilon()
+                                        : S(1e-9);
 
-/// Triangularizes the `count` leading columns of M in place by reflections of all of its rows, with pivoting among these
-/// columns. Returns their rank k: the rows from k on no longer contain them (what is left there is set to zero), and are
-/// all that M says about the other columns.
+/// Triangularizes the `count` leading columns of M in place by reflections of all of its rows, with pivoting among
+/// these columns. Returns their rank k: the rows from k on no longer contain them (what is left there is set to zero),
+/// and are all that M says about the other columns.
 template <class Derived>
 int eliminate_leading_columns(Eigen::MatrixBase<Derived>&& M, int count) {
   using S = typename Derived::Scalar;

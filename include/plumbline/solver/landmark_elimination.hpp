@@ -4,11 +4,11 @@
 ///   J_l = Q1 R1,   A = Q1^T J_p,   c = Q1^T r                                                                (10)
 ///   H += J_p^T J_p - A^T A,   b += J_p^T r - A^T c          the reduced system of the poses                  (11)
 ///   dl = -R1^-1 (c + A d)                                   back-substitution                                (12)
-/// Q1 comes from reflections of J_l, never from (J_l^T J_l)^-1: an ill-conditioned landmark does not square its condition
-/// number. Levenberg-Marquardt appends the rows sqrt(mu) D to J_l, D^2 = clip(diag J_l^T J_l) as in (7).
+/// Q1 comes from reflections of J_l, never from (J_l^T J_l)^-1: an ill-conditioned landmark does not square its
+/// condition number. Levenberg-Marquardt appends the rows sqrt(mu) D to J_l, D^2 = clip(diag J_l^T J_l) as in (7).
 ///
-/// Rows are kept as S, the arithmetic is that of Acc. A row touches at most two poses: work and memory are linear in the
-/// rows, plus a rank-LandmarkDim update over the touched blocks. Blocks of the normal equations may be larger than
+/// Rows are kept as S, the arithmetic is that of Acc. A row touches at most two poses: work and memory are linear in
+/// the rows, plus a rank-LandmarkDim update over the touched blocks. Blocks of the normal equations may be larger than
 /// BlockDim: the rows then belong to their leading parameters.
 ///
 /// Per iteration: reset, add ..., then for each mu: eliminate, add_to, (solve), back_substitute.
@@ -88,7 +88,8 @@ class LandmarkElimination {
   /// (11), after a successful eliminate. The cost is not touched.
   template <class HS, int NormalDim, int NormalBlocks>
   void add_to(NormalEquations<HS, NormalDim, NormalBlocks>& normal) const {
-    static_assert(BlockDim <= NormalDim, "plumbline: a pose of the landmark does not fit a block of the normal equations");
+    static_assert(BlockDim <= NormalDim,
+                  "plumbline: a pose of the landmark does not fit a block of the normal equations");
     for_each_group([&]<int R>(const Group& group) {
       const Vec<Acc, R> r = r_.template segment<R>(group.first_row).template cast<Acc>();
       if (group.slot_i == none) return;
@@ -133,8 +134,7 @@ class LandmarkElimination {
   template <class D>
   int reduced_rows(Eigen::MatrixBase<D>& work, int stride = BlockDim) const {
     work.topRows(rows_).setZero();
-    work.topRows(rows_).template leftCols<LandmarkDim>() =
-        J_l_.topRows(rows_).template cast<typename D::Scalar>();
+    work.topRows(rows_).template leftCols<LandmarkDim>() = J_l_.topRows(rows_).template cast<typename D::Scalar>();
     work.col(work.cols() - 1).head(rows_) = r_.head(rows_).template cast<typename D::Scalar>();
     for_each_group([&]<int R>(const Group& group) {
       for (int side = 0; side < 2; ++side) {
@@ -179,7 +179,7 @@ class LandmarkElimination {
     using Kept = Eigen::Map<Mat<S, rows, BlockDim>>;
     S* const to = &J_p_[rows_ * 2 * BlockDim];
     if (J_i) Kept{to} = All(J_i).template middleRows<rows>(AllRows - R);
-    if (J_j) Kept{to + rows * BlockDim} = All(J_j).template middleRows<rows>(AllRows - R);
+    if (J_j) Kept{to + rows* BlockDim} = All(J_j).template middleRows<rows>(AllRows - R);
     groups_.push_back({slot_i, slot_j, std::int16_t(rows_), std::int16_t(rows)});
     rows_ += rows;
     if constexpr (R > rows) keep_poses<R - rows, AllRows>(slot_i, J_i, slot_j, J_j);
@@ -198,7 +198,8 @@ class LandmarkElimination {
   }
   template <int R>
   Mat<Acc, R, BlockDim> J_p(const Group& group, int side) const {
-    return Eigen::Map<const Mat<S, R, BlockDim>>(&J_p_[(group.first_row * 2 + side * R) * BlockDim]).template cast<Acc>();
+    return Eigen::Map<const Mat<S, R, BlockDim>>(&J_p_[(group.first_row * 2 + side * R) * BlockDim])
+        .template cast<Acc>();
   }
   auto A(int slot) { return A_.template middleCols<BlockDim>(slot * BlockDim); }
   auto A(int slot) const { return A_.template middleCols<BlockDim>(slot * BlockDim); }
@@ -233,8 +234,8 @@ class LandmarkElimination {
   int rows_ = 0;
   Acc mu_ = Acc(0);
   FixedVector<Group, MaxRows> groups_;
-  FixedVector<std::int16_t, MaxBlocks> touched_;         // blocks, in the order of their first row
-  std::array<std::int16_t, MaxBlocks> slot_of_block_;    // its inverse
+  FixedVector<std::int16_t, MaxBlocks> touched_;            // blocks, in the order of their first row
+  std::array<std::int16_t, MaxBlocks> slot_of_block_;       // its inverse
   std::array<S, std::size_t(MaxRows) * 2 * BlockDim> J_p_;  // per group: J_i, then J_j, each R x BlockDim
   Mat<S, MaxRows, LandmarkDim> J_l_;
   Vec<S, MaxRows> r_;

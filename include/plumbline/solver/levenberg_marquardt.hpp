@@ -15,20 +15,20 @@ namespace plumbline {
 /// A least-squares problem that holds its state, and a trial of it.
 template <class P>
 concept LeastSquaresProblem = requires(P problem, double mu, double& predicted_decrease) {
-  { problem.linearize() } -> std::same_as<double>;                    // cost and normal equations at the state
-  { problem.solve(mu, predicted_decrease) } -> std::same_as<bool>;    // the step of damping mu; false: singular
-  { problem.try_step() } -> std::same_as<double>;                     // makes the trial; its cost
-  problem.accept();                                                   // the trial becomes the state
-  problem.reject();                                                   // the trial is dropped
+  { problem.linearize() } -> std::same_as<double>;                  // cost and normal equations at the state
+  { problem.solve(mu, predicted_decrease) } -> std::same_as<bool>;  // the step of damping mu; false: singular
+  { problem.try_step() } -> std::same_as<double>;                   // makes the trial; its cost
+  problem.accept();                                                 // the trial becomes the state
+  problem.reject();                                                 // the trial is dropped
 };
 
 struct LevenbergMarquardtOptions {
-  int max_iterations = 10;               ///< linear systems solved, whether their step is accepted or not
-  double relative_cost_tolerance = 1e-6; ///< converged below this relative change of the cost
-  double step_tolerance = 1e-8;          ///< converged below this length of the step in units of its own sigma
+  int max_iterations = 10;                ///< linear systems solved, whether their step is accepted or not
+  double relative_cost_tolerance = 1e-6;  ///< converged below this relative change of the cost
+  double step_tolerance = 1e-8;           ///< converged below this length of the step in units of its own sigma
   double mu_initial = 1e-4;
   double mu_min = 1e-12;
-  double mu_max = 1e8;                   ///< beyond it no step will help
+  double mu_max = 1e8;  ///< beyond it no step will help
 };
 
 enum class LevenbergMarquardtEnd : std::uint8_t {
@@ -79,8 +79,8 @@ LevenbergMarquardtSummary levenberg_marquardt(Problem& problem, const LevenbergM
       problem.accept();
       ++summary.accepted;
       linearized = false;
-      const double gain = decrease / predicted;                                               // (14)
-      mu = std::max(options.mu_min, mu * std::max(1.0 / 3, 1 - std::pow(2 * gain - 1, 3)));   // (15)
+      const double gain = decrease / predicted;                                              // (14)
+      mu = std::max(options.mu_min, mu * std::max(1.0 / 3, 1 - std::pow(2 * gain - 1, 3)));  // (15)
       nu = 2;
       const bool converged = decrease <= options.relative_cost_tolerance * cost;
       cost = trial;

@@ -57,13 +57,13 @@ class Marginalizer {
   }
   /// Rows that touch two ranges of columns.
   template <class DJ, class DK, class Dr>
-  void add_rows(const Eigen::MatrixBase<DJ>& J, int first_column, const Eigen::MatrixBase<DK>& K,
-                int second_column, const Eigen::MatrixBase<Dr>& r) {
+  void add_rows(const Eigen::MatrixBase<DJ>& J, int first_column, const Eigen::MatrixBase<DK>& K, int second_column,
+                const Eigen::MatrixBase<Dr>& r) {
     add(J, first_column, K, second_column, r);
   }
 
-  /// The prior over all columns but [first_column, first_column + count), order kept. Consumes the rows: `reset` is next.
-  /// False, and no prior, when anything is not finite.
+  /// The prior over all columns but [first_column, first_column + count), order kept. Consumes the rows: `reset` is
+  /// next. False, and no prior, when anything is not finite.
   bool marginalize(int first_column, int count, Prior<MaxDim>& out) {
     PLUMBLINE_ASSERT(first_column >= 0 && count >= 0 && first_column + count <= dim_);
     fold();

@@ -4,8 +4,8 @@
 ///   H = sum w J^T J,  b = sum w J^T r,  cost = 1/2 sum rho                                                    (6)
 ///   (H + mu clip(diag H, 1e-6, 1e6)) d = -b                                                                   (7)
 ///   predicted decrease = -d.b - 1/2 d.H d = 1/2 (mu d.D d - d.b)  of the step (7), D the clipped diagonal     (8)
-/// J and r are whitened; w = rho' of the robust kernel. Of H only the LOWER triangle holds values: blocks (i, j), i > j,
-/// and the diagonal blocks. S is double in practice, even when the Jacobians are float.
+/// J and r are whitened; w = rho' of the robust kernel. Of H only the LOWER triangle holds values: blocks (i, j), i >
+/// j, and the diagonal blocks. S is double in practice, even when the Jacobians are float.
 ///
 /// A Jacobian may have fewer than BlockDim columns: it then belongs to the LEADING parameters of its block (a camera
 /// sees the pose of a block [pose, velocity, biases]).
@@ -97,8 +97,11 @@ class NormalEquations {
           J0.template middleCols<BlockDim>(begin).template cast<S>().transpose().lazyProduct(r);
       for (int i = j; i < blocks; ++i) {
         H_.template block<BlockDim, BlockDim>(i * BlockDim, begin) +=
-            J0.template middleCols<BlockDim>(i * BlockDim).topRows(rows).template cast<S>().transpose().lazyProduct(
-                J0.template middleCols<BlockDim>(begin).topRows(rows).template cast<S>());
+            J0.template middleCols<BlockDim>(i * BlockDim)
+                .topRows(rows)
+                .template cast<S>()
+                .transpose()
+                .lazyProduct(J0.template middleCols<BlockDim>(begin).topRows(rows).template cast<S>());
       }
     }
   }
