@@ -24,7 +24,7 @@ concept HasExpLog = requires(const G& x, const typename G::Tangent& d) {
 
 template <class G>
 concept Composes = requires(const G& x) {
-  { x * x } -> std::same_as<G>;
+  { x* x } -> std::same_as<G>;
   { x.inverse() } -> std::same_as<G>;
 };
 

@@ -4,10 +4,15 @@
 ///   plus(T, [dphi; dp])  = (R Exp(dphi), p + R dp)                                                           (1)
 ///   minus(T1, T0)        = [Log(R0^T R1); R0^T (p1 - p0)],  plus(T0, minus(T1, T0)) = T1                     (2)
 ///   d minus(T, T0) / dT  = blkdiag(Jr^-1(Log(R0^T R)), R0^T R)                                               (3)
+///   plus((s, R, t), [dphi; dt; dsig]) = (s e^dsig, R Exp(dphi), t + s R dt),  minus(S1, S0) = [Log R_E; t_E; ln s_E],
+///   E = S0^-1 S1;  d minus(S, S0) / dS = blkdiag(Jr^-1(Log R_E), s_E R_E, 1)                                  (4)
 /// Vectors are additive.
+
+#include <cmath>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/se3.hpp"
+#include "plumbline/lie/sim3.hpp"
 #include "plumbline/lie/so3.hpp"
 
 namespace plumbline {
@@ -19,7 +24,13 @@ SO3<S> plus(const SO3<S>& R, const Vec<S, 3>& dphi) {
 
 template <class S>
 SE3<S> plus(const SE3<S>& T, const Vec<S, 6>& d) {
-  return SE3<S>(plus(T.rotation(), Vec<S, 3>(d.template head<3>())), T.p() + T.rotation() * Vec<S, 3>(d.template tail<3>()));
+  return SE3<S>(plus(T.rotation(), Vec<S, 3>(d.template head<3>())),
+                T.p() + T.rotation() * Vec<S, 3>(d.template tail<3>()));
+}
+
+template <class S>
+Sim3<S> plus(const Sim3<S>& X, const Vec<S, 7>& d) {
+  return X * Sim3<S>(std::exp(d[6]), SO3<S>::exp(d.template head<3>()), d.template segment<3>(3));
 }
 
 template <class S, int N>
@@ -37,6 +48,30 @@ Vec<S, 6> minus(const SE3<S>& T1, const SE3<S>& T0) {
   Vec<S, 6> d;
   d << minus(T1.rotation(), T0.rotation()), T0.rotation().inverse() * Vec<S, 3>(T1.p() - T0.p());
   return d;
+}
+
+template <class S>
+Vec<S, 7> minus(const Sim3<S>& X1, const Sim3<S>& X0) {
+  const Sim3<S> E = X0.inverse() * X1;
+  Vec<S, 7> d;
+  d << E.rotation().log(), E.t(), std::log(E.scale());
+  return d;
+}
+
+/// d minus(R, R0) / dR, 3x3.
+template <class S>
+Mat<S, 3, 3> minus_jacobian(const SO3<S>& R, const SO3<S>& R0) {
+  return SO3<S>::right_jacobian_inverse(minus(R, R0));
+}
+
+/// (4), 7x7.
+template <class S>
+Mat<S, 7, 7> minus_jacobian(const Sim3<S>& X, const Sim3<S>& X0) {
+  const Sim3<S> E = X0.inverse() * X;
+  Mat<S, 7, 7> J = Mat<S, 7, 7>::Identity();
+  J.template topLeftCorner<3, 3>() = SO3<S>::right_jacobian_inverse(E.rotation().log());
+  J.template block<3, 3>(3, 3) = E.scale() * E.rotation().matrix();
+  return J;
 }
 
 /// (3), 6x6.

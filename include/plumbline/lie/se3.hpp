@@ -7,8 +7,8 @@
 ///
 /// The estimator's retraction is NOT exp but `plus` of lie/plus.hpp: rotation and translation apart.
 
+#include <cmath>
 #include <concepts>
-#include <type_traits>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/so3.hpp"
@@ -85,7 +85,7 @@ class SE3 {
     S c1, c2, c3;
     if (t < RotationCoefficients<S>::series_below) {
       c1 = S(1) / 6 + t * (S(-1) / 120 + t * (S(1) / 5040 + t * (S(-1) / 362880)));
-      c2 = S(1) / 24 + t * (S(-1) / 720 + t * (S(1) / 40320));
+      c2 = S(1) / 24 + t * (S(-1) / 720 + t * (S(1) / 40320 + t * (S(-1) / 3628800)));
       c3 = S(1) / 120 + t * (S(-1) / 2520 + t * (S(1) / 120960 + t * (S(-1) / 9979200)));
     } else {
       const S th = std::sqrt(t), s = std::sin(th), c = std::cos(th);

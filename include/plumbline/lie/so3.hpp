@@ -45,16 +45,14 @@ class SO3 {
   using Matrix = Mat<S, 3, 3>;
 
   SO3() : q_(Eigen::Quaternion<S>::Identity()) {}
-  explicit SO3(const Eigen::Quaternion<S>& q) : q_(q.normalized()) {
-    if (q_.w() < S(0)) q_.coeffs() = -q_.coeffs();
-  }
+  explicit SO3(const Eigen::Quaternion<S>& q) : SO3(q.normalized(), NearlyUnit{}) {}
   /// The rotation of an (approximately) orthonormal matrix, by largest-pivot extraction.
   static SO3 from_matrix(const Matrix& R) { return SO3(Eigen::Quaternion<S>(R)); }
 
   static SO3 exp(const Tangent& phi) {
     const S t = phi.squaredNorm(), th_half = std::sqrt(t) / 2;
     const S sinc_half = RotationCoefficients<S>::at(t / 4).A / 2;  // sin(th/2)/th
-    return SO3(Eigen::Quaternion<S>(std::cos(th_half), sinc_half * phi.x(), sinc_half * phi.y(), sinc_half * phi.z()));
+    return SO3({std::cos(th_half), sinc_half * phi.x(), sinc_half * phi.y(), sinc_half * phi.z()}, NearlyUnit{});
   }
 
   /// Rotation vector in the ball of radius pi; the sign of the axis is arbitrary exactly at pi.
@@ -65,8 +63,12 @@ class SO3 {
     return (2 * std::atan2(n, w) / n) * q_.vec();
   }
 
-  SO3 inverse() const { return SO3(q_.conjugate()); }
-  SO3 operator*(const SO3& other) const { return SO3(q_ * other.q_); }
+  SO3 inverse() const {
+    SO3 out;
+    out.q_ = q_.conjugate();
+    return out;
+  }
+  SO3 operator*(const SO3& other) const { return SO3(q_ * other.q_, NearlyUnit{}); }
   Vec<S, 3> operator*(const Vec<S, 3>& x) const { return q_ * x; }
 
   Matrix matrix() const { return q_.toRotationMatrix(); }
@@ -93,6 +95,14 @@ class SO3 {
   static Matrix left_jacobian_inverse(const Tangent& phi) { return right_jacobian_inverse(-phi); }
 
  private:
+  /// For |q|^2 = 1 + e with e a few roundings: one step of 1/sqrt(1 + e) = (3 - |q|^2)/2 + O(e^2), so products never
+  /// drift.
+  struct NearlyUnit {};
+  SO3(const Eigen::Quaternion<S>& q, NearlyUnit) : q_(q) {
+    const S scale = (3 - q.squaredNorm()) / 2;
+    q_.coeffs() *= q.w() < S(0) ? -scale : scale;
+  }
+
   Eigen::Quaternion<S> q_;
 };
 
