@@ -55,9 +55,7 @@ class YamlMap {
     for (const auto& entry : node_) {
       const std::string key = entry.first.Scalar();
       if (std::find(known.begin(), known.end(), key) == known.end()) {
-        const std::string_view nearest = *std::min_element(
-            known.begin(), known.end(), [&](auto a, auto b) { return edit_distance(key, a) < edit_distance(key, b); });
-        fail(entry.first, "unknown key \"" + key + "\", did you mean \"" + std::string(nearest) + "\"?");
+        fail(entry.first, "unknown key \"" + key + "\", " + suggestion(key, known));
       }
       if (std::find(seen.begin(), seen.end(), key) != seen.end())
         fail(entry.first, "key \"" + key + "\" appears twice");
@@ -105,6 +103,16 @@ class YamlMap {
   }
 
  private:
+  /// The known key nearest to a misspelled one; all of them when none is near.
+  static std::string suggestion(std::string_view key, std::initializer_list<std::string_view> known) {
+    const std::string_view nearest = *std::min_element(
+        known.begin(), known.end(), [&](auto a, auto b) { return edit_distance(key, a) < edit_distance(key, b); });
+    if (edit_distance(key, nearest) <= key.size() / 2) return "did you mean \"" + std::string(nearest) + "\"?";
+    std::string list;
+    for (const std::string_view each : known) list += (list.empty() ? "" : ", ") + std::string(each);
+    return "known are " + list;
+  }
+
   YamlMap(const std::filesystem::path& file, const YAML::Node& node, const std::string& prefix)
       : file_(file), node_(node), prefix_(prefix) {}
 

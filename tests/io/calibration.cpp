@@ -1,0 +1,252 @@
+#include "plumbline/io/calibration.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "catch.hpp"
+#include "plumbline/io/make_camera.hpp"
+#include "temporary_directory.hpp"
+
+using namespace plumbline;
+using namespace plumbline::io;
+
+namespace {
+
+const std::string plain = R"(camera:
+  model: pinhole
+  intrinsics: [500.0, 501, 320, 240]   # fx fy cx cy
+  distortion: radtan
+  distortion_coefficients: [0.1, -0.2, 0.001, 0.002, 0.3]
+  resolution: [640, 480]
+  rate_hz: 30
+depth:
+  scale: 5000
+T_body_camera:
+  [0, 0, 1, 0.1,
+   -1, 0, 0, 0.2,
+   0, -1, 0, 0.3,
+   0, 0, 0, 1]
+imu:
+  rate_hz: 200
+  gyroscope_noise_density: 1e-4
+  gyroscope_random_walk: 2e-5
+  accelerometer_noise_density: 3e-3
+  accelerometer_random_walk: 4e-3
+)";
+
+const std::string euroc = R"(%YAML:1.0
+sensor_type: camera
+comment: left
+T_BS:
+  cols: 4
+  rows: 4
+  data: [0, 0, 1, 0.1,
+         -1, 0, 0, 0.2,
+         0, -1, 0, 0.3,
+         0, 0, 0, 1]
+rate_hz: 20
+resolution: [752, 480]
+camera_model: pinhole
+intrinsics: [458.654, 457.296, 367.215, 248.375]
+distortion_model: radial-tangential
+distortion_coefficients: [-0.28, 0.07, 0.0002, 1.8e-05]
+)";
+
+const std::string kalibr = R"(cam0:
+  T_cam_imu:
+  - [0.0, -1.0, 0.0, 0.2]
+  - [0.0, 0.0, -1.0, 0.3]
+  - [1.0, 0.0, 0.0, -0.1]
+  - [0.0, 0.0, 0.0, 1.0]
+  cam_overlaps: []
+  camera_model: pinhole
+  distortion_coeffs: [0.01, 0.02, 0.03, 0.04]
+  distortion_model: equidistant
+  intrinsics: [190.9, 190.8, 254.9, 256.9]
+  resolution: [512, 512]
+  rostopic: /cam0/image_raw
+  timeshift_cam_imu: 0.012
+)";
+
+const std::string kalibr_imu = R"(accelerometer_noise_density: 0.0028
+accelerometer_random_walk: 0.00086
+gyroscope_noise_density: 0.00016
+gyroscope_random_walk: 2.2e-05
+rostopic: /imu0
+update_rate: 200.0
+)";
+
+const std::string opencv = R"(%YAML:1.0
+---
+calibration_time: "Tue 01 Jan 2030"
+image_width: 640
+image_height: 480
+flags: 0
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 500., 0., 320., 0., 501., 240., 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 5
+   cols: 1
+   dt: d
+   data: [ 1.e-01, -2.e-01, 0., 0., 3.e-01 ]
+avg_reprojection_error: 0.2
+)";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+/// Reading `text` fails, with `what` said of the given line.
+void require_error(const std::string& text, int line, const std::string& what) {
+  const TemporaryDirectory directory;
+  const auto file = directory.write("calibration.yaml", text);
+  const std::string message = message_of([&] { read_calibration(file); });
+  CAPTURE(message, line, what);
+  REQUIRE(says(message, file, line, what));
+}
+
+Calibration read(const std::string& text) {
+  const TemporaryDirectory directory;
+  return read_calibration(directory.write("calibration.yaml", text));
+}
+
+const SE3<double> T_forward(SO3<double>::from_matrix((Mat<double, 3, 3>() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished()),
+                            {0.1, 0.2, 0.3});
+
+}  // namespace
+
+TEST_CASE("calibration: the plain format") {
+  const Calibration c = read(plain);
+  REQUIRE((c.camera.model == "pinhole" && c.camera.distortion == "radtan"));
+  REQUIRE(c.camera.intrinsics == std::vector<double>{500, 501, 320, 240});
+  REQUIRE(c.camera.distortion_coefficients == std::vector<double>{0.1, -0.2, 0.001, 0.002, 0.3});
+  REQUIRE((c.camera.width == 640 && c.camera.height == 480 && c.camera.rate_hz == 30));
+  REQUIRE(c.depth_scale == 5000);
+  REQUIRE((c.T_body_camera->inverse() * T_forward).log().norm() < 1e-12);
+  REQUIRE((c.imu->gyro_density == 1e-4 && c.imu->gyro_walk == 2e-5));
+  REQUIRE((c.imu->accel_density == 3e-3 && c.imu->accel_walk == 4e-3 && c.imu->rate_hz == 200));
+}
+
+TEST_CASE("calibration: EuRoC, T_BS is the camera in the body") {
+  const Calibration c = read(euroc);
+  REQUIRE((c.camera.distortion == "radtan" && c.camera.distortion_coefficients.size() == 4));
+  REQUIRE((c.camera.width == 752 && c.camera.height == 480 && c.camera.rate_hz == 20));
+  REQUIRE((c.T_body_camera->inverse() * T_forward).log().norm() < 1e-12);
+  REQUIRE((!c.imu && c.depth_scale == 0));
+}
+
+TEST_CASE("calibration: Kalibr, T_cam_imu is the inverse") {
+  const TemporaryDirectory directory;
+  const auto camera = directory.write("camchain.yaml", kalibr);
+  const Calibration c = read_calibration(camera, directory.write("imu.yaml", kalibr_imu));
+  REQUIRE((c.camera.model == "pinhole" && c.camera.distortion == "equidistant"));
+  REQUIRE((c.T_body_camera->inverse() * T_forward).log().norm() < 1e-12);
+  REQUIRE(c.camera_time_offset_s == 0.012);
+  REQUIRE((c.imu->accel_density == 0.0028 && c.imu->gyro_walk == 2.2e-5 && c.imu->rate_hz == 200));
+  REQUIRE(!read_calibration(camera).imu);
+}
+
+TEST_CASE("calibration: Kalibr's double sphere has xi and alpha first") {
+  std::string text = replaced(kalibr, "camera_model: pinhole", "camera_model: ds");
+  text = replaced(text, "distortion_model: equidistant", "distortion_model: none");
+  text = replaced(text, "[190.9, 190.8, 254.9, 256.9]", "[-0.2, 0.59, 190.9, 190.8, 254.9, 256.9]");
+  const Calibration c = read(text);
+  REQUIRE(c.camera.model == "double_sphere");
+  REQUIRE(c.camera.intrinsics == std::vector<double>{190.9, 190.8, 254.9, 256.9, -0.2, 0.59});
+}
+
+TEST_CASE("calibration: OpenCV matrices") {
+  const Calibration c = read(opencv);
+  REQUIRE(c.camera.intrinsics == std::vector<double>{500, 501, 320, 240});
+  REQUIRE(c.camera.distortion == "radtan");
+  REQUIRE(c.camera.distortion_coefficients == std::vector<double>{0.1, -0.2, 0, 0, 0.3});
+  REQUIRE((c.camera.width == 640 && c.camera.height == 480 && !c.T_body_camera));
+}
+
+TEST_CASE("calibration: make_camera projects as the model says") {
+  const AnyCamera<double> camera = make_camera<double>(read(plain).camera);
+  const Projection<double> center = camera.project({0, 0, 2});
+  REQUIRE((center.valid && center.uv.isApprox(Vec<double, 2>(320, 240))));
+  const double x = 0.1, r2 = x * x, d = 1 + 0.1 * r2 - 0.2 * r2 * r2 + 0.3 * r2 * r2 * r2;
+  const Vec<double, 2> expected(320 + 500 * (x * d + 0.002 * 3 * r2), 240 + 501 * 0.001 * r2);
+  REQUIRE((camera.project({2 * x, 0, 2}).uv - expected).norm() < 1e-9);
+  REQUIRE(make_camera<float>(read(kalibr).camera).model().index() == 2);
+  REQUIRE(make_camera<float>(read(replaced(opencv, "1.e-01, -2.e-01, 0., 0., 3.e-01", "0, 0, 0, 0, 0")).camera)
+              .model()
+              .index() == 1);
+  REQUIRE_THROWS(make_camera<float>(CameraCalibration{}));
+}
+
+TEST_CASE("calibration: a transform that is none") {
+  require_error(replaced(plain, "-1, 0, 0, 0.2", "-0.9, 0, 0, 0.2"), 11, "not orthonormal");
+  require_error(replaced(plain, "-1, 0, 0, 0.2", "1, 0, 0, 0.2"), 11, "reflection");
+  require_error(replaced(plain, "0, 0, 0, 1]", "0, 0, 1, 1]"), 11, "last row 0 0 0 1");
+  require_error(replaced(plain, "0, 0, 0, 1]", "0, 0, 0]"), 11, "must have 16 values (4x4, row by row), has 15");
+  require_error(replaced(plain, "0, 0, 1, 0.1", "0, 0, .nan, 0.1"), 11, "not a finite number");
+  require_error(replaced(plain, "-1, 0, 0, 0.2", "-1, 0, 0, abc"), 12, "\"abc\" is not a finite number");
+}
+
+TEST_CASE("calibration: numbers that cannot be") {
+  require_error(replaced(plain, "[500.0,", "[0,"), 3, "focal lengths that are not positive");
+  require_error(replaced(plain, "[500.0, 501", "[500.0, -501"), 3, "focal lengths that are not positive: 500, -501");
+  require_error(replaced(plain, "[500.0,", "[nan,"), 3, "\"nan\" is not a finite number");
+  require_error(replaced(plain, ", 240]", "]"), 3, "must have 4 values, has 3");
+  require_error(replaced(plain, "[640, 480]", "[640, -480]"), 6, "two positive whole numbers, has -480");
+  require_error(replaced(plain, "[640, 480]", "[640]"), 6, "[width, height]");
+  require_error(replaced(plain, "[640, 480]", "[320, 240]"), 6, "does not contain the principal point (320, 240)");
+  require_error(replaced(replaced(plain, "320, 240]", "320, 500]"), "[640, 480]", "[640, 480]"), 6, "principal point");
+  require_error(replaced(euroc, "[752, 480]", "[300, 752]"), 12, "principal point");
+  require_error(replaced(plain, "rate_hz: 30", "rate_hz: 0"), 7, "camera.rate_hz must be positive");
+  require_error(replaced(plain, "scale: 5000", "scale: -1"), 9, "depth.scale must be positive");
+  require_error(replaced(plain, "density: 1e-4", "density: 0"), 17, "imu.gyroscope_noise_density must be positive");
+  require_error(replaced(plain, "walk: 4e-3", "walk: .inf"), 20, "not a finite number");
+  require_error(replaced(plain, "0.002, 0.3]", "0.002, 0.3, 0.1]"), 5, "4 or 5 values");
+}
+
+TEST_CASE("calibration: a swapped resolution is named") {
+  require_error(replaced(replaced(plain, "320, 240]", "400, 240]"), "[640, 480]", "[380, 640]"), 6, "swapped");
+  require_error(replaced(plain, "[640, 480]", "[300, 640]"), 6, "are width and height swapped?");
+}
+
+TEST_CASE("calibration: keys unknown, repeated, missing") {
+  require_error(replaced(plain, "rate_hz: 30", "rate_hs: 30"), 7, "unknown key \"rate_hs\", did you mean \"rate_hz\"?");
+  require_error(replaced(plain, "distortion_coefficients", "distortion_coeffs"), 5,
+                "did you mean \"distortion_coefficients\"?");
+  require_error(replaced(plain, "T_body_camera", "T_camera_body"), 10, "known are camera, depth, T_body_camera, imu");
+  require_error(replaced(plain, "T_body_camera", "T_body_cam"), 10, "did you mean \"T_body_camera\"?");
+  require_error(replaced(euroc, "camera_model", "camera_modell"), 13, "did you mean \"camera_model\"?");
+  require_error(replaced(plain, "  rate_hz: 30", "  model: pinhole"), 7, "key \"model\" appears twice");
+  require_error(replaced(plain, "  model: pinhole\n", ""), 2, "key \"camera.model\" is missing");
+  require_error(replaced(plain, "  gyroscope_random_walk: 2e-5\n", ""), 16,
+                "key \"imu.gyroscope_random_walk\" is missing");
+  require_error(plain.substr(0, plain.find("T_body_camera")) + plain.substr(plain.find("imu:")), 0,
+                "key \"T_body_camera\" is missing");
+  require_error(replaced(plain, "model: pinhole", "model: pinhle"), 2, "known are pinhole and double_sphere");
+  require_error(replaced(plain, "distortion: radtan", "distortion: rational"), 4,
+                "known are none, radtan and equidistant");
+}
+
+TEST_CASE("calibration: files that are no calibration") {
+  require_error("", 0, "not a YAML mapping");
+  require_error("just words", 0, "not a YAML mapping");
+  require_error("a: [1, 2\nb: 3\n", 2, "not valid YAML");
+  require_error("fx: 500\n", 0, "not a camera calibration");
+  require_error("camera: 3\n", 1, "camera must be a mapping");
+  const std::string missing = message_of([] { read_calibration("/nowhere/calibration.yaml"); });
+  REQUIRE(says(missing, "/nowhere/calibration.yaml", 0, "no such file"));
+}
+
+TEST_CASE("calibration: a camera beside an IMU needs the transform, and the IMU is the body") {
+  const TemporaryDirectory directory;
+  const auto camera = directory.write("camera.yaml", opencv), imu = directory.write("imu.yaml", kalibr_imu);
+  REQUIRE(says(message_of([&] { read_calibration(camera, imu); }), camera, 0, "no transform between camera and IMU"));
+  const auto moved =
+      directory.write("moved.yaml", kalibr_imu + "T_BS: [1, 0, 0, 0.1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n");
+  const auto euroc_camera = directory.write("euroc.yaml", euroc);
+  REQUIRE(says(message_of([&] { read_calibration(euroc_camera, moved); }), moved, 7, "must be the identity"));
+}

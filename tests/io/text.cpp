@@ -1,0 +1,62 @@
+#include "plumbline/io/text.hpp"
+
+#include <optional>
+#include <string_view>
+
+#include "catch.hpp"
+#include "temporary_directory.hpp"
+
+using namespace plumbline;
+using namespace plumbline::io;
+
+TEST_CASE("text: seconds are read exactly") {
+  REQUIRE(parse_seconds("1403636624.363555584") == TimeNs{1403636624363555584});
+  REQUIRE(parse_seconds("1305031229.5287") == TimeNs{1305031229528700000});
+  REQUIRE(parse_seconds("1.037359e-01") == TimeNs{103735900});
+  REQUIRE(parse_seconds("2.063096e+01") == TimeNs{20630960000});
+  REQUIRE(parse_seconds("0.000000e+00") == TimeNs{0});
+  REQUIRE(parse_seconds("7") == TimeNs{7000000000});
+  REQUIRE(parse_seconds("-0.5") == TimeNs{-500000000});
+  REQUIRE(parse_seconds(".25") == TimeNs{250000000});
+  REQUIRE(parse_seconds("0.0000000014") == TimeNs{1});
+  REQUIRE(parse_seconds("0.0000000015") == TimeNs{2});
+  REQUIRE(parse_seconds("1e-12") == TimeNs{0});
+}
+
+TEST_CASE("text: what is no time") {
+  for (const std::string_view text :
+       {"", "-", ".", "abc", "1.2.3", "1e", "1e99", "nan", "inf", "12s", "--1", "99999999999999999999"}) {
+    CAPTURE(text);
+    REQUIRE(parse_seconds(text) == std::nullopt);
+  }
+}
+
+TEST_CASE("text: numbers must be finite and nothing else") {
+  REQUIRE(parse_finite("-1.5e3") == -1500.0);
+  REQUIRE(parse_finite("+2") == 2.0);
+  for (const std::string_view text : {"nan", "inf", "-inf", "1,5", "0x", "", "1e999"}) {
+    CAPTURE(text);
+    REQUIRE(parse_finite(text) == std::nullopt);
+  }
+}
+
+TEST_CASE("text: rows know their line; comments, blank lines and carriage returns are passed over") {
+  const TemporaryDirectory directory;
+  const auto file = directory.write("rows.csv", "# header\r\n\n1, 2,3\r\n  4\t5 6\n7,8,x");
+  RowReader row(file);
+  REQUIRE(row.next());
+  REQUIRE((row.line() == 3 && row.size() == 3 && row[2] == "3" && row.has_commas()));
+  REQUIRE(row.next());
+  REQUIRE((row.line() == 4 && row.number(0) == 4 && !row.has_commas()));
+  REQUIRE(row.next());
+  REQUIRE(says(message_of([&] { row.number(2); }), file, 5, "column 3: \"x\" is not a finite number"));
+  REQUIRE(says(message_of([&] { row.require_size(4); }), file, 5, "expected 4 columns, found 3"));
+  REQUIRE(!row.next());
+}
+
+TEST_CASE("text: files that cannot be read") {
+  const TemporaryDirectory directory;
+  REQUIRE(
+      says(message_of([&] { read_text(directory.path() / "none"); }), directory.path() / "none", 0, "no such file"));
+  REQUIRE(says(message_of([&] { read_text(directory.path()); }), directory.path(), 0, "not a regular file"));
+}

@@ -1,0 +1,53 @@
+#include "plumbline/io/trajectory_evaluation.hpp"
+
+#include <cmath>
+#include <string>
+
+#include "catch.hpp"
+#include "temporary_directory.hpp"
+
+using namespace plumbline;
+using namespace plumbline::io;
+
+namespace {
+
+/// A helix at 10 Hz, seen from a world that is moved and `scale` times as large.
+Trajectory helix(double from_s, double to_s, double scale = 1) {
+  const SE3<double> moved(SO3<double>::exp({0, 0, scale - 1}), {scale - 1, 0, 0});
+  Trajectory out;
+  for (int i = static_cast<int>(std::lround(10 * from_s)); i <= std::lround(10 * to_s); ++i) {
+    const double t = 0.1 * i;
+    const SE3<double> pose(SO3<double>::exp({0, 0, t / 2}), {std::cos(t), std::sin(t), t / 5});
+    out.push_back({i * 100'000'000LL, Similarity{scale, moved} * pose});
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("trajectory_evaluation: the same motion in another world has no error") {
+  const Evaluation e = evaluate_trajectory(helix(0, 9.9), helix(0, 9.9, 2), {.alignment = Alignment::sim3});
+  REQUIRE((e.pairs == 100 && e.coverage == 1));
+  REQUIRE(e.scale == Approx(0.5));
+  REQUIRE(e.ape.translation.max < 1e-12);
+  REQUIRE(e.rpe.translation.max < 1e-12);
+  REQUIRE((e.aligned[3].T_world_body.p() - helix(0, 9.9)[3].T_world_body.p()).norm() < 1e-12);
+  const Evaluation rigid = evaluate_trajectory(helix(0, 9.9), helix(0, 9.9, 2), {});
+  REQUIRE((rigid.ape.translation.rmse > 0.1 && rigid.scale == Approx(0.5)));
+}
+
+TEST_CASE("trajectory_evaluation: coverage is the share of the reference's seconds") {
+  REQUIRE(evaluate_trajectory(helix(0, 9.9), helix(0, 4.9), {}).coverage == Approx(0.5));
+  Trajectory broken = helix(0, 2.9);
+  for (const StampedPose& pose : helix(7, 9.9)) broken.push_back(pose);
+  REQUIRE(evaluate_trajectory(helix(0, 9.9), broken, {}).coverage == Approx(0.6));
+}
+
+TEST_CASE("trajectory_evaluation: too little in common is said") {
+  Trajectory late = helix(0, 5);
+  for (StampedPose& pose : late) pose.t_ns += 3'600'000'000'000;
+  REQUIRE(message_of([&] { evaluate_trajectory(helix(0, 5), late, {}); }).find("do their clocks agree?") !=
+          std::string::npos);
+  REQUIRE(message_of([&] { evaluate_trajectory(helix(0, 5), helix(0, 0.1), {}); }).find("cannot align 2 pairs") !=
+          std::string::npos);
+}

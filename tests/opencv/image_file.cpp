@@ -1,0 +1,75 @@
+#include "plumbline/opencv/image_file.hpp"
+
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "catch.hpp"
+#include "temporary_directory.hpp"
+
+using namespace plumbline::opencv;
+
+namespace {
+
+template <class Pixel>
+cv::Mat ramp(int type) {
+  cv::Mat image(48, 64, type);
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x) image.at<Pixel>(y, x) = Pixel(x * 3 + y);
+  return image;
+}
+
+std::string encoded(const cv::Mat& image, const char* extension) {
+  std::vector<unsigned char> bytes;
+  REQUIRE(cv::imencode(extension, image, bytes));
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace
+
+TEST_CASE("image_file: whole images") {
+  const TemporaryDirectory directory;
+  const cv::Mat gray = ramp<std::uint8_t>(CV_8U), depth = ramp<std::uint16_t>(CV_16U);
+  const cv::Mat read = read_gray(directory.write("a.png", encoded(gray, ".png")));
+  REQUIRE((read.type() == CV_8U && cv::norm(read, gray, cv::NORM_INF) == 0));
+  REQUIRE(cv::norm(read_gray(directory.write("a.jpg", encoded(gray, ".jpg"))), gray, cv::NORM_INF) < 12);
+  REQUIRE(cv::norm(read_depth(directory.write("d.png", encoded(depth, ".png"))), depth, cv::NORM_INF) == 0);
+  const cv::Mat colour(48, 64, CV_8UC3, cv::Scalar(50, 50, 50));
+  REQUIRE(read_gray(directory.write("c.png", encoded(colour, ".png"))).at<std::uint8_t>(7, 7) == 50);
+  const std::string padded = encoded(gray, ".jpg") + std::string(16, '\0');
+  REQUIRE(read_gray(directory.write("p.jpg", padded)).cols == 64);
+}
+
+TEST_CASE("image_file: cut anywhere, an image is refused") {
+  const TemporaryDirectory directory;
+  for (const char* extension : {".png", ".jpg"}) {
+    const std::string bytes = encoded(ramp<std::uint8_t>(CV_8U), extension);
+    for (const std::size_t length : {bytes.size() - 1, bytes.size() - 10, bytes.size() / 2, std::size_t{9}}) {
+      const auto file = directory.write(std::string("cut") + extension, bytes.substr(0, length));
+      CAPTURE(extension, length);
+      REQUIRE(says(message_of([&] { read_gray(file); }), file, 0, "the image is cut off"));
+    }
+  }
+}
+
+TEST_CASE("image_file: corrupt and empty files, no files") {
+  const TemporaryDirectory directory;
+  std::string bytes = encoded(ramp<std::uint8_t>(CV_8U), ".png");
+  for (std::size_t i = 45; i < 60; ++i) bytes[i] = static_cast<char>(~bytes[i]);
+  const auto corrupt = directory.write("corrupt.png", bytes), empty = directory.write("empty.png", "");
+  const auto text = directory.write("text.png", "no image");
+  REQUIRE(says(message_of([&] { read_gray(corrupt); }), corrupt, 0, "not an image that can be decoded"));
+  REQUIRE(says(message_of([&] { read_gray(empty); }), empty, 0, "the file is empty"));
+  REQUIRE(says(message_of([&] { read_gray(text); }), text, 0, "not an image that can be decoded"));
+  REQUIRE(says(message_of([&] { read_gray(directory.path()); }), directory.path(), 0, "cannot be opened"));
+  REQUIRE(says(message_of([] { read_gray("/nowhere.png"); }), "/nowhere.png", 0, "cannot be opened"));
+}
+
+TEST_CASE("image_file: depth must be 16-bit, images of the calibrated size") {
+  const TemporaryDirectory directory;
+  const auto file = directory.write("a.png", encoded(ramp<std::uint8_t>(CV_8U), ".png"));
+  REQUIRE(says(message_of([&] { read_depth(file); }), file, 0, "not a 16-bit image with one channel"));
+  REQUIRE(says(message_of([&] { require_resolution(read_gray(file), 640, 480, file); }), file, 0,
+               "the image is 64 x 48, the calibration says 640 x 480"));
+  REQUIRE(message_of([&] { require_resolution(read_gray(file), 64, 48, file); }).empty());
+}
