@@ -2,6 +2,7 @@
 # component has an export file of its own, so that a user of core needs nothing but Eigen.
 
 include(CMakePackageConfigHelpers)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 set(plumbline_package_dir "${CMAKE_INSTALL_DATADIR}/cmake/plumbline")
 
 foreach(component core testing opencv io)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what plumbline needs on Debian 12 or Ubuntu 24.04; does nothing when all of it is there.
+# Installs what plumbline needs on Debian 12; does nothing when all of it is there.
 #   cmake/setup_debian.sh program   to build the program
 #   cmake/setup_debian.sh test      to build and run every test as well
 set -euo pipefail

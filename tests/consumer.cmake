@@ -11,7 +11,8 @@ function(add_consumer_test name)
     "-DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}" ${ARGN} --test-command consumer)
 endfunction()
 
-add_test(NAME package_install COMMAND ${CMAKE_COMMAND} --install "${PROJECT_BINARY_DIR}" --prefix "${prefix}")
+add_test(NAME package_install COMMAND ${CMAKE_COMMAND} --install "${PROJECT_BINARY_DIR}" --prefix "${prefix}"
+  --component development)
 add_consumer_test(package_core "-DCMAKE_PREFIX_PATH=${prefix}" -DCMAKE_DISABLE_FIND_PACKAGE_OpenCVModules=ON
   -DCMAKE_DISABLE_FIND_PACKAGE_yaml-cpp=ON)
 add_consumer_test(package_all "-DCMAKE_PREFIX_PATH=${prefix}" "-DPLUMBLINE_COMPONENTS=core;testing;opencv;io")

@@ -5,7 +5,7 @@
 namespace pl = plumbline;
 
 // The board's own: where the C library ends up when all is lost, with nothing behind it.
-extern "C" [[noreturn]] void abort() {
+extern "C" void abort() {
   while (true) asm volatile("");
 }
 

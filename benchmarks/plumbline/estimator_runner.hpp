@@ -1,0 +1,80 @@
+#pragma once
+/// The Runner of one estimator type.
+
+#include <chrono>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "plumbline/estimator/estimate.hpp"
+#include "plumbline/io/make_camera.hpp"
+#include "plumbline/opencv/mat_view.hpp"
+#include "runner.hpp"
+
+struct SteadyClock {
+  static double now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  }
+};
+
+/// A camera with depth as the calibration describes it.
+template <class Sensors>
+Sensors make_rgbd(const plumbline::io::Calibration& calibration) {
+  using S = typename Sensors::Scalar;
+  const plumbline::io::CameraCalibration& camera = calibration.camera;
+  const std::size_t pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+  constexpr std::size_t max_pixels = decltype(Sensors::vision)::max_pixels;
+  if (pixels > max_pixels)
+    throw std::runtime_error("images of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
+                             " are larger than the " + std::to_string(max_pixels) + " pixels of this configuration");
+  Sensors sensors{{plumbline::io::make_camera<S>(camera), camera.width, camera.height, {}}};
+  sensors.vision.depth.units_per_metre = static_cast<S>(calibration.depth_scale);
+  return sensors;
+}
+
+template <class Estimator, class Sensors>
+class EstimatorRunner final : public Runner {
+ public:
+  using S = typename Estimator::S;
+
+  explicit EstimatorRunner(const Sensors& sensors) : estimator_(std::make_unique<Estimator>(sensors)) {}
+
+  void add_imu(const plumbline::ImuSample& sample) override {
+    if constexpr (Sensors::has_imu) estimator_->add_imu(sample);
+  }
+
+  FrameOutput add_frame(plumbline::TimeNs t_ns, const cv::Mat& gray, const cv::Mat& depth) override {
+    typename Estimator::Frame frame;
+    frame.t_ns = t_ns;
+    frame.gray = plumbline::opencv::view<std::uint8_t>(gray);
+    if constexpr (Sensors::has_depth) frame.depth = plumbline::opencv::view<std::uint16_t>(depth);
+    const plumbline::Result<plumbline::Estimate<S>> estimate = estimator_->add_frame(frame);
+    FrameOutput out;
+    if (!estimate) {
+      out.refused = estimate.error();
+      out.health = estimator_->latest().health.state;
+      return out;
+    }
+    out.health = estimate->health.state;
+    out.timing = estimator_->timing();
+    if (out.health != plumbline::HealthState::initializing)
+      out.T_world_body = estimate->T_world_body.template cast<double>();
+    return out;
+  }
+
+  std::vector<plumbline::Vec<double, 3>> landmarks() const override {
+    std::vector<plumbline::Vec<double, 3>> points;
+    const auto& window = estimator_->backend().window();
+    estimator_->features().for_each([&](const auto& map) {
+      for (const auto& landmark : map.landmarks()) {
+        if (landmark.located)
+          points.push_back(map.p_world(landmark, window, estimator_->rig().T_body_cam()).template cast<double>());
+      }
+    });
+    return points;
+  }
+
+ private:
+  std::unique_ptr<Estimator> estimator_;
+};

@@ -1,0 +1,117 @@
+// The program `plumbline`: every configuration of the estimator on recordings, and what goes with it.
+#include <algorithm>
+#include <cstddef>
+#include <cstdio>
+#include <exception>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "evaluate.hpp"
+#include "nearest.hpp"
+#include "run.hpp"
+#include "runner.hpp"
+#include "simulate.hpp"
+
+namespace {
+
+/// Throws at the first misspelled command or option, with the name that was probably meant.
+void check_names(const CLI::App& app, std::span<char* const> arguments) {
+  if (arguments.size() < 2 || std::string_view(arguments[1]).starts_with('-')) return;
+  std::vector<std::string> known;
+  const CLI::App* command = nullptr;
+  for (const CLI::App* each : app.get_subcommands(nullptr)) {
+    if (each->get_name() == arguments[1]) command = each;
+    known.push_back(each->get_name());
+  }
+  if (command == nullptr) throw std::runtime_error(unknown_name("command", arguments[1], known));
+
+  known.clear();
+  for (const CLI::Option* option : command->get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  for (const std::string_view argument : arguments.subspan(2)) {
+    const std::string name(argument.substr(0, argument.find('=')));
+    if (name.starts_with("--") && std::find(known.begin(), known.end(), name) == known.end())
+      throw std::runtime_error(unknown_name("option", name, known));
+  }
+}
+
+int list() {
+  for (const Configuration& configuration : configurations()) std::puts(configuration.name);
+  return 0;
+}
+
+void add_run(CLI::App& app, RunOptions& options) {
+  CLI::App* command = app.add_subcommand("run", "Run one configuration on one recording");
+  command->add_option("--config", options.config, "Configuration, one of `plumbline list`")->required();
+  command->add_option("--dataset", options.dataset, "Folder of the recording (EuRoC, TUM RGB-D, KITTI)")->required();
+  command->add_option("--trajectory", options.trajectory, "Trajectory to write, TUM format")->required();
+  command->add_option("--timing", options.timing, "Times of each frame to write, CSV");
+  command->add_option("--landmarks", options.landmarks, "Points of the final map to write, PLY");
+  command->add_option("--calibration", options.calibration, "Calibration instead of the recording's own");
+  command->add_option("--start", options.start_s, "Begin this long after the first frame [s]")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--duration", options.duration_s, "Length of the part to run [s]")->check(CLI::PositiveNumber);
+}
+
+void add_evaluate(CLI::App& app, EvaluateOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("evaluate", "Compare a trajectory with the truth (ATE and RPE as evo has them)");
+  command->add_option("--reference", options.reference, "True trajectory: TUM, EuRoC or KITTI format")->required();
+  command->add_option("--estimate", options.estimate, "Estimated trajectory")->required();
+  command->add_option("--align", options.align, "se3, sim3, posyaw or none")->capture_default_str();
+  command->add_option("--max-difference", options.max_difference_s, "Largest time between a pair of poses [s]")
+      ->capture_default_str();
+  command->add_option("--rpe-delta", options.rpe_delta, "Step of the relative error")->capture_default_str();
+  command->add_option("--rpe-unit", options.rpe_unit, "s, frames or m")->capture_default_str();
+  command->add_option("--plot", options.plot, "Picture of both trajectories to write, PNG");
+  command->add_flag("--json", options.json, "Print JSON instead of a table");
+}
+
+void add_simulate(CLI::App& app, SimulateOptions& options) {
+  CLI::App* command = app.add_subcommand("simulate", "Make a recording of a simulated scene, with exact truth");
+  command->add_option("--scene", options.scene, "One of: " + CLI::detail::join(scene_names(), ", "))
+      ->capture_default_str();
+  command->add_option("--out", options.out, "Folder to make")->required();
+  command->add_option("--seed", options.seed, "Of the surfaces, the motion and the noise")->capture_default_str();
+  command->add_option("--duration", options.duration_s, "Length [s]")->capture_default_str();
+  command->add_option("--imu", options.imu, "One of: " + CLI::detail::join(imu_names(), ", "))->capture_default_str();
+  command->add_option("--layout", options.layout, "One of: " + CLI::detail::join(layout_names(), ", "))
+      ->capture_default_str();
+}
+
+/// What went wrong, in one line.
+int fail(const std::string& text) {
+  std::fprintf(stderr, "plumbline: %s\n", text.substr(0, text.find('\n')).c_str());
+  return 1;
+}
+
+}  // namespace
+
+int main(int argc, char* argv[]) {
+  CLI::App app("Visual odometry: estimate, compare, simulate", "plumbline");
+  app.require_subcommand(1);
+  RunOptions run_options;
+  EvaluateOptions evaluate_options;
+  SimulateOptions simulate_options;
+  app.add_subcommand("list", "Print the names of the configurations");
+  add_run(app, run_options);
+  add_evaluate(app, evaluate_options);
+  add_simulate(app, simulate_options);
+  try {
+    check_names(app, {argv, static_cast<std::size_t>(argc)});
+    app.parse(argc, argv);
+    if (app.got_subcommand("list")) return list();
+    if (app.got_subcommand("run")) return run_configuration(run_options);
+    if (app.got_subcommand("evaluate")) return run_evaluate(evaluate_options);
+    return run_simulate(simulate_options);
+  } catch (const CLI::ParseError& error) {
+    return error.get_exit_code() == 0 ? app.exit(error) : fail(error.what());  // 0: --help
+  } catch (const std::exception& error) {
+    return fail(error.what());
+  }
+}

@@ -1,0 +1,18 @@
+#pragma once
+/// `plumbline run`: one configuration on one recording.
+
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+
+struct RunOptions {
+  std::string config;
+  std::filesystem::path dataset, trajectory;
+  std::optional<std::filesystem::path> timing, landmarks, calibration;
+  double start_s = 0;
+  double duration_s = std::numeric_limits<double>::infinity();
+};
+
+/// Prints a summary to stdout; returns the exit status 0. Throws std::runtime_error that says what is wrong in one line.
+int run_configuration(const RunOptions& options);

@@ -1,0 +1,44 @@
+#pragma once
+/// Every configuration of the estimator behind one interface, and the list of them. A configuration is one file in
+/// configs/ and one line in configurations.cpp; each is a translation unit of its own because each is a type of its
+/// own.
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "plumbline/core/result.hpp"
+#include "plumbline/core/time.hpp"
+#include "plumbline/estimator/clock.hpp"
+#include "plumbline/estimator/health.hpp"
+#include "plumbline/imu/sample.hpp"
+#include "plumbline/io/calibration_data.hpp"
+#include "plumbline/lie/se3.hpp"
+
+struct FrameOutput {
+  std::optional<plumbline::SE3<double>> T_world_body;  ///< none before initialization, and of a refused frame
+  plumbline::HealthState health = plumbline::HealthState::initializing;
+  std::optional<plumbline::Error> refused;  ///< why the frame gave no estimate
+  plumbline::FrameTiming timing;            ///< [s]
+};
+
+class Runner {
+ public:
+  virtual ~Runner() = default;
+  virtual void add_imu(const plumbline::ImuSample& sample) = 0;
+  /// `depth` is empty where there is none.
+  virtual FrameOutput add_frame(plumbline::TimeNs t_ns, const cv::Mat& gray, const cv::Mat& depth) = 0;
+  /// Points of the present map, in world coordinates [m].
+  virtual std::vector<plumbline::Vec<double, 3>> landmarks() const = 0;
+};
+
+struct Configuration {
+  const char* name;  ///< <sensor>/<features>/<backend>
+  bool needs_depth, needs_imu;
+  std::unique_ptr<Runner> (*make)(const plumbline::io::Calibration& calibration);  ///< throws std::runtime_error
+};
+
+std::span<const Configuration> configurations();

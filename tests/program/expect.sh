@@ -1,0 +1,34 @@
+# Shared by the tests of the program: sourced, not run.
+set -euo pipefail
+plumbline=$1
+recording=$2
+# shellcheck disable=SC2034  # used where this is sourced
+config=rgbd/points/window
+failures=0
+
+fail() {
+  echo "FAILED: $*"
+  failures=$((failures + 1))
+}
+
+# expect_error PATTERN ARGUMENT...: the program fails with status 1, says one line that matches, and prints nothing.
+expect_error() {
+  local pattern=$1 status=0
+  shift
+  "$plumbline" "$@" > out.txt 2> err.txt || status=$?
+  [[ $status == 1 ]] || fail "$*: status $status instead of 1"
+  [[ ! -s out.txt ]] || fail "$*: output on stdout: $(cat out.txt)"
+  [[ $(wc -l < err.txt) == 1 ]] || fail "$*: not one line but: $(cat err.txt)"
+  grep -qE -- "$pattern" err.txt || fail "$*: \"$(cat err.txt)\" does not match \"$pattern\""
+}
+
+# A copy of the recording that a test may damage.
+copy_recording() {
+  rm -rf "$1"
+  cp -r "$recording" "$1"
+}
+
+finish() {
+  ((failures == 0)) || exit 1
+  echo passed
+}

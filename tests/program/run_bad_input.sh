@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# What can be known to fail is found before the run, and no output is left behind.
+# shellcheck source=tests/program/expect.sh
+source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
+
+run=(run --config "$config" --trajectory out.tum)
+expect_error 'no such directory' "${run[@]}" --dataset missing
+mkdir -p empty
+expect_error 'empty' "${run[@]}" --dataset empty
+
+expect_error 'missing/out.tum: cannot be written' run --config "$config" --dataset "$recording" \
+  --trajectory missing/out.tum
+expect_error 'directory' run --config "$config" --dataset "$recording" --trajectory empty
+expect_error 'missing/t.csv: cannot be written' "${run[@]}" --dataset "$recording" --timing missing/t.csv
+expect_error 'missing/l.ply: cannot be written' "${run[@]}" --dataset "$recording" --landmarks missing/l.ply
+
+expect_error 'missing.yaml: no such file' "${run[@]}" --dataset "$recording" --calibration missing.yaml
+sed -E 's/(resolution: *)\[.*\]/\1[320, 200]/' "$recording/calibration.yaml" > small.yaml
+expect_error 'calibration says 320 x 200' "${run[@]}" --dataset "$recording" --calibration small.yaml
+echo 'camera: [' > broken.yaml
+expect_error 'broken.yaml' "${run[@]}" --dataset "$recording" --calibration broken.yaml
+expect_error 'no frame' "${run[@]}" --dataset "$recording" --start 1000
+
+copy_recording mono
+rm -r mono/depth.txt mono/depth
+expect_error 'needs depth images' "${run[@]}" --dataset mono
+
+left_behind=$(find . -name 'out.tum*' -o -name '*.part')
+[[ -z $left_behind ]] || fail "left behind: $left_behind"
+finish
