@@ -21,8 +21,8 @@
 namespace plumbline {
 
 struct AlignmentOptions {
-  int max_iterations = 10;
-  float epsilon_px = 0.01f;     ///< [px of the search level]
+  int max_iterations = 15;
+  float epsilon_px = 0.02f;     ///< [px of the search level]
   float max_move_px = 4.0f;     ///< farthest from the guess [px of the search level]
   float min_eigenvalue = 0.5f;  ///< texture per pixel [intensity^2/px^2]; along the normal for edges
   float max_rms = 20.0f;        ///< intensity residual after gain and bias

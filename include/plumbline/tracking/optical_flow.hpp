@@ -15,10 +15,11 @@
 namespace plumbline {
 
 struct OpticalFlowOptions {
-  int max_iterations = 12;           ///< a level
-  float epsilon_px = 0.02f;          ///< converged on level 0; coarse_epsilon_px above
-  float coarse_epsilon_px = 0.1f;    ///< [px of the level]
-  float max_rms = 20.0f;             ///< intensity residual after gain and bias
+  int max_iterations = 15;         ///< a level
+  float epsilon_px = 0.02f;        ///< converged on level 0; coarse_epsilon_px above
+  float coarse_epsilon_px = 0.1f;  ///< [px of the level]
+  float max_rms = 20.0f;           ///< intensity residual after gain and bias
+  float min_gain = 0.5f, max_gain = 2.0f;
   float min_eigenvalue = 0.5f;       ///< texture per pixel [intensity^2/px^2]
   float forward_backward_px = 0.5f;  ///< largest disagreement of the way back
   int backward_levels = 2;           ///< the way back starts near: fine levels suffice
@@ -51,7 +52,8 @@ FlowResult track_point_levels(const Pyr& previous, const Pyr& current, const Vec
     if (!match.valid) continue;
     out.uv = from_level(match.uv, l);
     out.rms = match.rms;
-    out.valid = l == 0 && match.rms < options.max_rms && patch_inside(image, match.uv, PatchSize);
+    out.valid = l == 0 && match.rms < options.max_rms && match.gain > options.min_gain &&
+                match.gain < options.max_gain && patch_inside(image, match.uv, PatchSize);
   }
   return out;
 }
