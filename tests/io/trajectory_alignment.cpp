@@ -11,7 +11,7 @@ using namespace plumbline::io;
 namespace {
 
 /// Pairs whose reference is the similarity of the estimate, on a plane if `flat`.
-std::vector<PosePair> pairs_related_by(const Similarity& truth, bool flat) {
+std::vector<PosePair> pairs_related_by(const Sim3<double>& truth, bool flat) {
   Random random(7);
   const auto coordinate = [&] { return 2 * random.uniform() - 1; };
   std::vector<PosePair> pairs;
@@ -19,36 +19,37 @@ std::vector<PosePair> pairs_related_by(const Similarity& truth, bool flat) {
     const Vec<double, 3> p(coordinate(), coordinate(), flat ? 0 : coordinate()),
         phi(coordinate(), coordinate(), coordinate());
     const SE3<double> estimate(SO3<double>::exp(phi), p);
-    pairs.push_back({i, truth * estimate, estimate});
+    pairs.push_back({i, aligned(truth, estimate), estimate});
   }
   return pairs;
 }
 
-double difference(const Similarity& a, const Similarity& b) {
-  return std::abs(a.scale - b.scale) + (a.T.inverse() * b.T).log().norm();
-}
+double difference(const Sim3<double>& a, const Sim3<double>& b) { return (a.inverse() * b).log().norm(); }
 
 }  // namespace
 
 TEST_CASE("trajectory_alignment: the similarity is found again") {
-  const Similarity truth{2.5, SE3<double>(SO3<double>::exp({0.4, -1.1, 2}), {3, -4, 5})};
+  const Sim3<double> truth(2.5, SO3<double>::exp({0.4, -1.1, 2}), {3, -4, 5});
   for (const bool flat : {false, true})
     REQUIRE(difference(*align(pairs_related_by(truth, flat), Alignment::sim3), truth) < 1e-12);
 }
 
 TEST_CASE("trajectory_alignment: a rigid one has scale 1, one about gravity only yaw") {
-  const Similarity rigid{1, SE3<double>(SO3<double>::exp({0.4, -1.1, 2}), {3, -4, 5})};
+  const Sim3<double> rigid(1, SO3<double>::exp({0.4, -1.1, 2}), {3, -4, 5});
   REQUIRE(difference(*align(pairs_related_by(rigid, false), Alignment::se3), rigid) < 1e-12);
-  const Similarity yaw{1, SE3<double>(SO3<double>::exp({0, 0, -2.7}), {3, -4, 5})};
+  const Sim3<double> yaw(1, SO3<double>::exp({0, 0, -2.7}), {3, -4, 5});
   REQUIRE(difference(*align(pairs_related_by(yaw, false), Alignment::posyaw), yaw) < 1e-12);
-  REQUIRE(align(pairs_related_by(rigid, false), Alignment::posyaw)->T.rotation().log().head<2>().norm() < 1e-12);
-  REQUIRE(difference(*align(pairs_related_by(rigid, false), Alignment::none), Similarity{}) == 0);
+  REQUIRE(align(pairs_related_by(rigid, false), Alignment::posyaw)->rotation().log().head<2>().norm() < 1e-12);
+  REQUIRE(difference(*align(pairs_related_by(rigid, false), Alignment::none), Sim3<double>()) == 0);
 }
 
 TEST_CASE("trajectory_alignment: nothing to align by") {
   const std::vector<PosePair> two(2), still(10);
   REQUIRE(!align(two, Alignment::se3));
   REQUIRE(!align(still, Alignment::sim3));
+  std::vector<PosePair> line;
+  for (int i = 0; i < 10; ++i) line.push_back({i, SE3<double>({}, {1.0 * i, 0, 0}), SE3<double>({}, {0, 1.0 * i, 0})});
+  REQUIRE(!align(line, Alignment::se3));
   REQUIRE(align(two, Alignment::none));
 }
 

@@ -13,12 +13,12 @@ namespace {
 
 /// A helix at 10 Hz, seen from a world that is moved and `scale` times as large.
 Trajectory helix(double from_s, double to_s, double scale = 1) {
-  const SE3<double> moved(SO3<double>::exp({0, 0, scale - 1}), {scale - 1, 0, 0});
+  const Sim3<double> moved(scale, SO3<double>::exp({0, 0, scale - 1}), {scale - 1, 0, 0});
   Trajectory out;
   for (int i = static_cast<int>(std::lround(10 * from_s)); i <= std::lround(10 * to_s); ++i) {
     const double t = 0.1 * i;
     const SE3<double> pose(SO3<double>::exp({0, 0, t / 2}), {std::cos(t), std::sin(t), t / 5});
-    out.push_back({i * 100'000'000LL, Similarity{scale, moved} * pose});
+    out.push_back({i * 100'000'000LL, aligned(moved, pose)});
   }
   return out;
 }

@@ -2,22 +2,19 @@
 /// Pairs the poses of two trajectories by time and aligns the one to the other.           docs/datasets.md,
 /// "Evaluation"
 ///
-///   p_reference ~ scale R p_estimate + t,  minimizing the sum of squared distances (Umeyama 1991)            (1)
-/// With mu the means, C = sum (p_ref - mu_ref)(p_est - mu_est)^T / n = U D V^T:
-///   R = U diag(1, 1, det U det V) V^T,  scale = tr(D diag(1, 1, det U det V)) / var(p_est)                   (2)
-///   t = mu_ref - scale R mu_est
-/// Yaw and position only (gravity is observed): R = Rz(atan2(C_10 - C_01, C_00 + C_11)).                      (3)
+/// The alignment S_reference_estimate minimizes the sum of squared distances of the pairs' positions. With yaw and
+/// position only (gravity is observed), C = sum (p_ref - mu_ref)(p_est - mu_est)^T and mu the means:
+///   R = Rz(atan2(C_10 - C_01, C_00 + C_11)),  t = mu_ref - R mu_est                                         (1)
 
 #include <cmath>
 #include <optional>
 #include <string_view>
 #include <vector>
 
-#include <Eigen/Geometry>
-#include <Eigen/SVD>
-
+#include "plumbline/geometry/rigid_alignment.hpp"
 #include "plumbline/io/association.hpp"
 #include "plumbline/io/trajectory.hpp"
+#include "plumbline/lie/sim3.hpp"
 
 namespace plumbline::io {
 
@@ -46,19 +43,15 @@ inline std::optional<Alignment> alignment_named(std::string_view name) {
   return std::nullopt;
 }
 
-/// x_reference = scale R x_estimate + t.
-struct Similarity {
-  double scale = 1;
-  SE3<double> T;
+/// The pose an aligned estimate has: the scale applies to its position alone.
+inline SE3<double> aligned(const Sim3<double>& S_reference_estimate, const SE3<double>& pose) {
+  return {S_reference_estimate.rotation() * pose.rotation(), S_reference_estimate * pose.p()};
+}
 
-  Vec<double, 3> operator*(const Vec<double, 3>& x) const { return T * Vec<double, 3>(scale * x); }
-  SE3<double> operator*(const SE3<double>& pose) const { return {T.rotation() * pose.rotation(), *this * pose.p()}; }
-};
+namespace detail {
 
-/// The alignment (1) of the pairs' positions. Empty for fewer than three pairs, or none that move: nothing to align by.
-inline std::optional<Similarity> align(const std::vector<PosePair>& pairs, Alignment alignment) {
-  if (alignment == Alignment::none) return Similarity{};
-  if (pairs.size() < 3) return std::nullopt;
+/// (1); the mean positions are subtracted first, so that nothing cancels far from the origin.
+inline Sim3<double> align_yaw(const std::vector<PosePair>& pairs) {
   const double n = static_cast<double>(pairs.size());
   Vec<double, 3> mean_reference = Vec<double, 3>::Zero(), mean_estimate = Vec<double, 3>::Zero();
   for (const PosePair& pair : pairs) {
@@ -66,28 +59,23 @@ inline std::optional<Similarity> align(const std::vector<PosePair>& pairs, Align
     mean_estimate += pair.estimate.p() / n;
   }
   Mat<double, 3, 3> C = Mat<double, 3, 3>::Zero();
-  double variance = 0;
-  for (const PosePair& pair : pairs) {
-    const Vec<double, 3> q = pair.estimate.p() - mean_estimate;
-    C += (pair.reference.p() - mean_reference) * q.transpose() / n;
-    variance += q.squaredNorm() / n;
-  }
-  if (!(variance > 0)) return std::nullopt;
+  for (const PosePair& pair : pairs)
+    C += (pair.reference.p() - mean_reference) * (pair.estimate.p() - mean_estimate).transpose();
+  const SO3<double> R = SO3<double>::exp({0, 0, std::atan2(C(1, 0) - C(0, 1), C(0, 0) + C(1, 1))});
+  return Sim3<double>(1, R, mean_reference - R * mean_estimate);
+}
 
-  Similarity out;
-  SO3<double> R;
-  if (alignment == Alignment::posyaw) {
-    R = SO3<double>::exp({0, 0, std::atan2(C(1, 0) - C(0, 1), C(0, 0) + C(1, 1))});  // (3)
-  } else {
-    const Eigen::JacobiSVD<Mat<double, 3, 3>> svd(C, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const double sign = svd.matrixU().determinant() * svd.matrixV().determinant() < 0 ? -1 : 1;
-    const Vec<double, 3> signs(1, 1, sign);
-    R = SO3<double>::from_matrix(svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose());  // (2)
-    if (alignment == Alignment::sim3) out.scale = svd.singularValues().dot(signs) / variance;
-  }
-  if (!(out.scale > 0)) return std::nullopt;
-  out.T = SE3<double>(R, mean_reference - R * Vec<double, 3>(out.scale * mean_estimate));
-  return out;
+}  // namespace detail
+
+/// S_reference_estimate. Empty for fewer than three pairs, or positions on one line: nothing to align by.
+inline std::optional<Sim3<double>> align(const std::vector<PosePair>& pairs, Alignment alignment) {
+  constexpr double collinear_ratio = 1e-12;  // only what is exactly a line: cars drive nearly straight for long
+  if (alignment == Alignment::none) return Sim3<double>();
+  RigidAlignment<double> moments;
+  for (const PosePair& pair : pairs) moments.add(pair.reference.p(), pair.estimate.p());
+  const RigidAlignment<double>::Result result = moments.solve(alignment == Alignment::sim3, collinear_ratio);
+  if (!result.valid) return std::nullopt;
+  return alignment == Alignment::posyaw ? detail::align_yaw(pairs) : result.S_p_q;
 }
 
 }  // namespace plumbline::io

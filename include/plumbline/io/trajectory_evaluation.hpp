@@ -51,19 +51,19 @@ inline Evaluation evaluate_trajectory(const Trajectory& reference, const Traject
   if (pairs.empty())
     throw std::runtime_error("no pose of the estimate is within " + std::to_string(settings.max_difference_s) +
                              " s of one of the reference: do their clocks agree?");
-  const std::optional<Similarity> alignment = align(pairs, settings.alignment);
+  const std::optional<Sim3<double>> alignment = align(pairs, settings.alignment);
   if (!alignment)
     throw std::runtime_error("cannot align " + std::to_string(pairs.size()) +
-                             " pairs of poses: fewer than three, or none of them moves");
-  const std::optional<Similarity> similarity = align(pairs, Alignment::sim3);
+                             " pairs of poses: fewer than three, or all on one line");
+  const std::optional<Sim3<double>> similarity = align(pairs, Alignment::sim3);
 
   Evaluation out;
   out.pairs = pairs.size();
   out.coverage = coverage(reference, pairs);
-  out.scale = similarity ? similarity->scale : std::nan("");
+  out.scale = similarity ? similarity->scale() : std::nan("");
   out.aligned = estimate;
-  for (StampedPose& pose : out.aligned) pose.T_world_body = *alignment * pose.T_world_body;
-  for (PosePair& pair : pairs) pair.estimate = *alignment * pair.estimate;
+  for (StampedPose& pose : out.aligned) pose.T_world_body = aligned(*alignment, pose.T_world_body);
+  for (PosePair& pair : pairs) pair.estimate = aligned(*alignment, pair.estimate);
   for (std::size_t i = 1; i < pairs.size(); ++i)
     out.path_length_m += (pairs[i].reference.p() - pairs[i - 1].reference.p()).norm();
   out.ape = absolute_error(pairs);
