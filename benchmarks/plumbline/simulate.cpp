@@ -1,0 +1,293 @@
+#include "simulate.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <stdexcept>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "output_file.hpp"
+#include "plumbline/camera/pinhole.hpp"
+#include "plumbline/camera/radtan.hpp"
+#include "plumbline/testing/rig.hpp"
+#include "plumbline/testing/scenes.hpp"
+#include "plumbline/testing/simulated_camera.hpp"
+#include "plumbline/testing/simulated_imu.hpp"
+#include "progress.hpp"
+
+namespace fs = std::filesystem;
+using namespace plumbline;
+using namespace plumbline::testing;
+
+namespace {
+
+constexpr TimeNs t_start_ns = 1'600'000'000'000'000'000;
+constexpr int camera_rate_hz = 20, imu_rate_hz = 200;  // frames are taken at the times of IMU readings
+constexpr int imu_per_frame = imu_rate_hz / camera_rate_hz;
+
+struct ImuSet {
+  const char* name;
+  ImuQuality quality;
+};
+const std::array imu_sets = {
+    ImuSet{"default", {}},  // as the sensor of the EuRoC recordings
+    ImuSet{"none", ImuQuality::perfect(imu_rate_hz)},
+    ImuSet{"low-cost", {{1.0e-3, 1.0e-2, 1.0e-4, 5.0e-3, imu_rate_hz}, 0.05, 0.2}},     // consumer MEMS
+    ImuSet{"tactical", {{3.5e-5, 2.5e-4, 1.0e-6, 2.0e-5, imu_rate_hz}, 0.001, 0.01}}};  // temperature compensated MEMS
+
+const Pinhole<double> rgbd_camera{536.2, 535.8, 321.4, 245.7};
+constexpr int rgbd_width = 640, rgbd_height = 480;
+const Pinhole<double, RadTan> mono_camera{458.6, 457.4, 367.1, 248.2, {-0.2834, 0.07396, 1.94e-4, 1.76e-5}};
+constexpr int mono_width = 752, mono_height = 480;
+
+[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
+  std::array<char, 512> text{};
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(text.data(), text.size(), pattern, arguments);
+  va_end(arguments);
+  return text.data();
+}
+
+TimeNs frame_time_ns(int frame) { return t_start_ns + frame * (1'000'000'000 / camera_rate_hz); }
+std::string seconds(TimeNs t_ns) {
+  return format("%lld.%09lld", static_cast<long long>(t_ns / 1'000'000'000),
+                static_cast<long long>(t_ns % 1'000'000'000));
+}
+std::string image_name(TimeNs t_ns) { return std::to_string(t_ns) + ".png"; }
+
+void write_text(const fs::path& file, const std::string& text) {
+  OutputFile out(file);
+  out.stream() << text;
+  out.commit();
+}
+
+void write_image(const fs::path& file,
+                 const cv::Mat& image) {  // Huffman only: a third faster, and smaller on noisy images
+  if (!cv::imwrite(file.string(), image, {cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_HUFFMAN_ONLY})) {
+    throw std::runtime_error(file.string() + ": cannot be written");
+  }
+}
+
+cv::Mat gray_mat(SimulatedCamera::Frame& frame) {
+  const ImageView<std::uint8_t> view = frame.gray.view();
+  return {view.height, view.width, CV_8U, view.data};
+}
+cv::Mat depth_mat(SimulatedCamera::Frame& frame) {
+  const ImageView<std::uint16_t> view = frame.depth.view();
+  return {view.height, view.width, CV_16U, view.data};
+}
+
+std::string matrix_rows(const SE3<double>& T) {
+  std::string out;
+  for (int i = 0; i < 3; ++i) {
+    out += format("%s%.12g, %.12g, %.12g, %.12g,\n", i == 0 ? "[" : "   ", T.R()(i, 0), T.R()(i, 1), T.R()(i, 2),
+                  T.p()[i]);
+  }
+  return out + "   0.0, 0.0, 0.0, 1.0]\n";
+}
+
+/// Inertial readings and the full state of the body at their times, in the columns of the EuRoC format.
+struct InertialText {
+  std::string imu, imu_in_seconds;
+  std::string states =
+      "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], "
+      "v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], b_w_RS_S_x [rad s^-1], b_w_RS_S_y [rad s^-1], "
+      "b_w_RS_S_z [rad s^-1], b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]\n";
+};
+
+InertialText simulate_imu(const Trajectory& trajectory, const ImuQuality& quality, std::uint64_t seed, int readings) {
+  SimulatedImu imu(quality, seed);
+  InertialText out;
+  for (int i = 0; i < readings; ++i) {
+    const SimulatedImu::Reading r = imu.next(trajectory);
+    const ImuSample s = r.sample(t_start_ns);
+    const auto columns = [&](char separator) {
+      std::string text;
+      for (const Vec<double, 3>& x : {s.gyro, s.accel}) {
+        for (int k = 0; k < 3; ++k) text += format("%c%.12g", separator, x[k]);
+      }
+      return text + "\n";
+    };
+    out.imu += std::to_string(s.t_ns) + columns(',');
+    out.imu_in_seconds += seconds(s.t_ns) + columns(' ');
+    const Eigen::Quaternion<double>& q = r.motion.T_world_body.rotation().quaternion();
+    const Vec<double, 3>& p = r.motion.T_world_body.p();
+    out.states += std::to_string(s.t_ns) +
+                  format(",%.9f,%.9f,%.9f,%.12f,%.12f,%.12f,%.12f", p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
+    for (const Vec<double, 3>& x : {r.motion.v_world_body, r.gyro_bias, r.accel_bias}) {
+      out.states += format(",%.9f,%.9f,%.9f", x.x(), x.y(), x.z());
+    }
+    out.states += "\n";
+  }
+  return out;
+}
+
+std::string noise_yaml(const ImuNoise& noise, const char* indent) {
+  return format(
+      "%srate_hz: %g\n%sgyroscope_noise_density: %g       # rad/s/sqrt(Hz)\n"
+      "%sgyroscope_random_walk: %g         # rad/s^2/sqrt(Hz)\n"
+      "%saccelerometer_noise_density: %g   # m/s^2/sqrt(Hz)\n"
+      "%saccelerometer_random_walk: %g     # m/s^3/sqrt(Hz)\n",
+      indent, noise.rate_hz, indent, noise.gyro_density, indent, noise.gyro_walk, indent, noise.accel_density, indent,
+      noise.accel_walk);
+}
+
+struct Recording {
+  SimulateOptions options;
+  Scene scene;
+  Trajectory trajectory;
+  ImuQuality imu;
+  int frames;
+
+  bool has_imu() const { return options.imu != "none"; }
+  InertialText inertial() const { return simulate_imu(trajectory, imu, options.seed, frames * imu_per_frame + 1); }
+
+  /// Renders every frame and hands it to `write(time, frame)`.
+  template <CameraModel Camera, class Write>
+  void film(const Camera& camera, int width, int height, Write&& write) const {
+    SimulatedCamera sensor(Renderer(scene, camera, width, height), simulated_T_body_camera(), {}, options.seed);
+    Progress progress("simulate " + options.scene, static_cast<std::size_t>(frames));
+    for (int i = 0; i < frames; ++i) {
+      SimulatedCamera::Frame frame =
+          sensor.frame(trajectory, i / static_cast<double>(camera_rate_hz), static_cast<std::uint64_t>(i));
+      write(frame_time_ns(i), frame);
+      progress.show(static_cast<std::size_t>(i + 1));
+    }
+  }
+};
+
+void write_tum(const Recording& recording) {
+  const fs::path& out = recording.options.out;
+  fs::create_directories(out / "rgb");
+  fs::create_directories(out / "depth");
+  recording.film(rgbd_camera, rgbd_width, rgbd_height, [&](TimeNs t_ns, SimulatedCamera::Frame& frame) {
+    write_image(out / "rgb" / image_name(t_ns), gray_mat(frame));
+    write_image(out / "depth" / image_name(t_ns), depth_mat(frame));
+  });
+
+  const InertialText inertial = recording.inertial();
+  write_text(out / "groundtruth_body.csv", inertial.states);
+  if (recording.has_imu()) {
+    write_text(out / "imu.csv", "#timestamp [s] wx wy wz ax ay az\n" + inertial.imu_in_seconds);
+  }
+  write_text(
+      out / "calibration.yaml",
+      format(
+          "camera:\n  model: pinhole\n  intrinsics: [%g, %g, %g, %g]        # fx fy cx cy, px\n  distortion: none\n"
+          "  resolution: [%d, %d]\n  rate_hz: %d\n"
+          "depth:\n  scale: 1000                     # metres = value / scale; 0 = no measurement\n"
+          "T_body_camera:                  # row-major 4x4, maps camera coordinates into body (= IMU) coordinates\n  ",
+          rgbd_camera.fx, rgbd_camera.fy, rgbd_camera.cx, rgbd_camera.cy, rgbd_width, rgbd_height, camera_rate_hz) +
+          matrix_rows(simulated_T_body_camera()) +
+          (recording.has_imu() ? "imu:\n" + noise_yaml(recording.imu.noise, "  ") : ""));
+
+  std::string truth = "# true poses of the camera\n# timestamp tx ty tz qx qy qz qw\n", gray = "# timestamp filename\n";
+  std::string depth = gray;
+  for (int i = 0; i < recording.frames; ++i) {
+    const TimeNs t_ns = frame_time_ns(i);
+    const SE3<double> T =
+        recording.trajectory.at(i / static_cast<double>(camera_rate_hz)).T_world_body * simulated_T_body_camera();
+    const Eigen::Quaternion<double>& q = T.rotation().quaternion();
+    truth += seconds(t_ns) + format(" %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n", T.p().x(), T.p().y(), T.p().z(), q.x(),
+                                    q.y(), q.z(), q.w());
+    gray += seconds(t_ns) + " rgb/" + image_name(t_ns) + "\n";
+    depth += seconds(t_ns) + " depth/" + image_name(t_ns) + "\n";
+  }
+  write_text(out / "groundtruth.txt", truth);
+  write_text(out / "depth.txt", depth);
+  write_text(out / "rgb.txt", gray);  // last: what makes the folder a recording
+}
+
+void write_euroc(const Recording& recording) {
+  const fs::path mav = recording.options.out / "mav0", images = mav / "cam0" / "data";
+  fs::create_directories(images);
+  recording.film(mono_camera, mono_width, mono_height, [&](TimeNs t_ns, SimulatedCamera::Frame& frame) {
+    write_image(images / image_name(t_ns), gray_mat(frame));
+  });
+
+  const InertialText inertial = recording.inertial();
+  const auto pose_yaml = [](const SE3<double>& T) { return "T_BS:\n  cols: 4\n  rows: 4\n  data: " + matrix_rows(T); };
+  const fs::path truth = mav / "state_groundtruth_estimate0", imu = mav / "imu0";
+  fs::create_directories(truth);
+  write_text(truth / "sensor.yaml", "sensor_type: visual-inertial\n" + pose_yaml({}));
+  write_text(truth / "data.csv", inertial.states);
+  if (recording.has_imu()) {
+    fs::create_directories(imu);
+    write_text(imu / "sensor.yaml", "sensor_type: imu\n" + pose_yaml({}) + noise_yaml(recording.imu.noise, ""));
+    write_text(imu / "data.csv",
+               "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],"
+               "a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n" +
+                   inertial.imu);
+  }
+  const RadTan<double>& lens = mono_camera.distortion;
+  write_text(mav / "cam0" / "sensor.yaml",
+             "sensor_type: camera\n" + pose_yaml(simulated_T_body_camera()) +
+                 format("rate_hz: %d\nresolution: [%d, %d]\ncamera_model: pinhole\n"
+                        "intrinsics: [%g, %g, %g, %g] #fu, fv, cu, cv\ndistortion_model: radial-tangential\n"
+                        "distortion_coefficients: [%g, %g, %g, %g]\n",
+                        camera_rate_hz, mono_width, mono_height, mono_camera.fx, mono_camera.fy, mono_camera.cx,
+                        mono_camera.cy, lens.k1(), lens.k2(), lens.p1(), lens.p2()));
+  std::string index = "#timestamp [ns],filename\n";
+  for (int i = 0; i < recording.frames; ++i) {
+    index += std::to_string(frame_time_ns(i)) + "," + image_name(frame_time_ns(i)) + "\n";
+  }
+  write_text(mav / "cam0" / "data.csv", index);  // last: what makes the folder a recording
+}
+
+[[noreturn]] void throw_unknown(const char* kind, const std::string& name, const std::vector<std::string>& known) {
+  std::string text = std::string("unknown ") + kind + " '" + name + "'; known:";
+  for (const std::string& each : known) text += " " + each;
+  throw std::runtime_error(text);
+}
+
+ImuQuality imu_quality(const std::string& name) {
+  for (const ImuSet& set : imu_sets) {
+    if (name == set.name) return set.quality;
+  }
+  throw_unknown("IMU", name, imu_names());
+}
+
+void simulate(const SimulateOptions& options) {
+  const std::optional<Scene> scene = make_scene(options.scene, options.seed);
+  const std::optional<Trajectory> trajectory = Trajectory::for_scene(options.scene, options.seed);
+  if (!scene || !trajectory) throw_unknown("scene", options.scene, ::scene_names());
+  if (options.layout != "tum" && options.layout != "euroc") throw_unknown("layout", options.layout, layout_names());
+  const ImuQuality imu = imu_quality(options.imu);
+  constexpr double longest_s = 3600;
+  if (!(options.duration_s >= 1.0 / camera_rate_hz && options.duration_s <= longest_s)) {
+    throw std::runtime_error(format("duration %g s: must be between one frame and one hour", options.duration_s));
+  }
+  if (options.out.empty()) throw std::runtime_error("no output folder given");
+  if (fs::exists(options.out) && !(fs::is_directory(options.out) && fs::is_empty(options.out))) {
+    throw std::runtime_error(options.out.string() + ": exists and is not an empty folder");
+  }
+  fs::create_directories(options.out);
+  const int frames = static_cast<int>(std::lround(options.duration_s * camera_rate_hz));
+  const Recording recording{options, *scene, *trajectory, imu, frames};
+  options.layout == "tum" ? write_tum(recording) : write_euroc(recording);
+}
+
+}  // namespace
+
+std::vector<std::string> scene_names() { return {testing::scene_names.begin(), testing::scene_names.end()}; }
+
+std::vector<std::string> imu_names() {
+  std::vector<std::string> names;
+  for (const ImuSet& set : imu_sets) names.emplace_back(set.name);
+  return names;
+}
+
+std::vector<std::string> layout_names() { return {"tum", "euroc"}; }
+
+int run_simulate(const SimulateOptions& options) {
+  try {
+    simulate(options);
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "plumbline simulate: %s\n", error.what());
+    return 1;
+  }
+}

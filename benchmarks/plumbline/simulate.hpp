@@ -1,0 +1,23 @@
+#pragma once
+/// `plumbline simulate`: a recording of a simulated room with exact truth, in a layout that `plumbline run` reads.
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+struct SimulateOptions {
+  std::string scene = "room";   ///< one of scene_names()
+  std::filesystem::path out;    ///< folder to create; must not exist or be empty
+  std::uint64_t seed = 1;       ///< of the surfaces, the motion and the noise
+  double duration_s = 20;       ///< [s]; 20 frames each second
+  std::string imu = "default";  ///< one of imu_names(): the quality of the sensor
+  std::string layout = "tum";   ///< one of layout_names(): tum (RGB-D) or euroc (one distorted gray camera)
+};
+
+std::vector<std::string> scene_names();
+std::vector<std::string> imu_names();
+std::vector<std::string> layout_names();
+
+/// Writes the recording and shows its progress on stderr. 0 on success; else one line on stderr says what is wrong.
+int run_simulate(const SimulateOptions& options);

@@ -1,0 +1,121 @@
+#pragma once
+/// Smooth paths through the simulated scenes with exact derivatives.
+///
+/// Position and yaw, pitch, roll are sums of sinusoids of the phase s(t), which rests for one second and then gains
+/// speed over another (C^5):   s(t) = T F((t - 1 s)/T),  F' = 126 x^5 - 420 x^6 + 540 x^7 - 315 x^8 + 70 x^9 on [0, 1],
+/// then 1   (1) Derivatives are exact: second-order Taylor arithmetic (`Jet`).
+///   R_world_body = Rz(yaw) Ry(pitch) Rx(roll)                                                                    (2)
+///   w_body = [roll' - yaw' sin pitch; pitch' cos roll + yaw' cos pitch sin roll; -pitch' sin roll + yaw' cos pitch cos
+///   roll]
+/// Body: x forward, y left, z up; world: z up, g = (0, 0, -9.81) m/s^2.
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <string_view>
+
+#include "plumbline/lie/se3.hpp"
+#include "plumbline/testing/gaussian.hpp"
+
+namespace plumbline::testing {
+
+/// A function of time with its first two derivatives.
+struct Jet {
+  double value = 0, d1 = 0, d2 = 0;
+
+  friend Jet operator+(const Jet& a, const Jet& b) { return {a.value + b.value, a.d1 + b.d1, a.d2 + b.d2}; }
+  friend Jet operator+(const Jet& a, double c) { return {a.value + c, a.d1, a.d2}; }
+  friend Jet operator*(double c, const Jet& a) { return {c * a.value, c * a.d1, c * a.d2}; }
+  friend Jet sin(const Jet& a) {
+    const double s = std::sin(a.value), c = std::cos(a.value);
+    return {s, c * a.d1, c * a.d2 - s * a.d1 * a.d1};
+  }
+  friend Jet cos(const Jet& a) { return sin(a + std::numbers::pi / 2); }
+};
+
+/// The exact motion of the body at one time.
+struct MotionState {
+  SE3<double> T_world_body;
+  Vec<double, 3> v_world_body;  ///< [m/s]
+  Vec<double, 3> a_world_body;  ///< [m/s^2]
+  Vec<double, 3> w_body;        ///< angular rate in the body frame [rad/s]
+
+  static Vec<double, 3> gravity() { return {0, 0, -9.81}; }
+  /// What an ideal accelerometer reads: R^T (a - g) [m/s^2].
+  Vec<double, 3> specific_force() const {
+    return T_world_body.rotation().inverse() * Vec<double, 3>(a_world_body - gravity());
+  }
+};
+
+class Trajectory {
+ public:
+  static constexpr double standstill_s = 1.0, ramp_s = 1.0;
+
+  /// The path of that scene, its sway varied by the seed; nothing when the name is unknown.
+  static std::optional<Trajectory> for_scene(std::string_view scene, std::uint64_t seed = 1) {
+    if (scene == "room" || scene == "room_lowtex") return Trajectory(Kind::room, seed);
+    if (scene == "corridor") return Trajectory(Kind::corridor, seed);
+    return std::nullopt;
+  }
+
+  MotionState at(double t) const {
+    const Jet s = phase(t);
+    Jet x, y, z, yaw, pitch, roll;
+    const auto sway = [&](std::size_t i, double amplitude, double rate) {
+      return amplitude * sin(rate * s + phase_[i]);
+    };
+    if (kind_ == Kind::room) {  // around the middle, looking out at the walls
+      const Jet turn = (2 * std::numbers::pi / 13) * s + start_;
+      x = 1.05 * cos(turn) + sway(0, 0.12, 1.1);
+      y = 0.85 * sin(turn) + sway(1, 0.12, 0.9);
+      z = sway(2, 0.16, 0.8) + sway(3, 0.02, 3.1) + 1.35;
+      yaw = turn + sway(4, 0.45, 0.75) + sway(5, 0.04, 2.7);
+    } else {  // one lap of the corridor in 18 s: a rectangle with round corners, slower there
+      const Jet turn = (2 * std::numbers::pi / 18) * s;
+      const Jet angle = turn + (-0.06) * sin(4 * turn);
+      x = 2.3 * (1.125 * cos(angle) + (-0.125) * cos(3 * angle)) + sway(0, 0.05, 1.1);
+      y = 1.9 * (1.125 * sin(angle) + 0.125 * sin(3 * angle)) + sway(1, 0.05, 1.3);
+      z = sway(2, 0.05, 0.8) + sway(3, 0.008, 9.0) + 1.4;
+      yaw = turn + (-0.17) * sin(4 * turn) + sway(4, 0.22, 1.1) + sway(5, 0.03, 2.7) + std::numbers::pi / 2;
+    }
+    pitch = sway(6, 0.12, 1.2) + sway(7, 0.02, 3.7) + 0.12;
+    roll = sway(8, 0.07, 1.0) + sway(9, 0.015, 4.1);
+
+    const double sp = std::sin(pitch.value), cp = std::cos(pitch.value), sr = std::sin(roll.value),
+                 cr = std::cos(roll.value);
+    const auto turned = [](int axis, const Jet& angle) {
+      return SO3<double>::exp(angle.value * Vec<double, 3>::Unit(axis));
+    };
+    return {SE3<double>(turned(2, yaw) * turned(1, pitch) * turned(0, roll), {x.value, y.value, z.value}),
+            {x.d1, y.d1, z.d1},
+            {x.d2, y.d2, z.d2},
+            {roll.d1 - yaw.d1 * sp, pitch.d1 * cr + yaw.d1 * cp * sr, -pitch.d1 * sr + yaw.d1 * cp * cr}};  // (2)
+  }
+
+ private:
+  enum class Kind : std::uint8_t { room, corridor };
+
+  Trajectory(Kind kind, std::uint64_t seed) : kind_(kind) {
+    Random random(stream_seed(seed, 1));
+    for (double& p : phase_) p = 2 * std::numbers::pi * random.uniform();
+    start_ = 2 * std::numbers::pi * random.uniform();
+  }
+
+  /// (1)
+  static Jet phase(double t) {
+    const double x = (t - standstill_s) / ramp_s;
+    if (!(x > 0)) return {};
+    if (x >= 1) return {ramp_s * (x - 0.5), 1, 0};
+    const double x4 = x * x * x * x, x5 = x4 * x;
+    return {ramp_s * x5 * x * (21 + x * (-60 + x * (67.5 + x * (-35 + x * 7)))),
+            x5 * (126 + x * (-420 + x * (540 + x * (-315 + x * 70)))), 630 * x4 * std::pow(1 - x, 4) / ramp_s};
+  }
+
+  Kind kind_;
+  std::array<double, 10> phase_{};
+  double start_ = 0;
+};
+
+}  // namespace plumbline::testing

@@ -1,0 +1,71 @@
+#include "plumbline/testing/trajectory.hpp"
+
+#include "catch.hpp"
+#include "plumbline/lie/plus.hpp"
+#include "plumbline/testing/rig.hpp"
+#include "plumbline/testing/scenes.hpp"
+
+using namespace plumbline;
+using namespace plumbline::testing;
+
+TEST_CASE("trajectory: velocity, rate and acceleration are the derivatives of the pose") {
+  for (const std::string_view scene : testing::scene_names) {
+    const Trajectory trajectory = *Trajectory::for_scene(scene, 7);
+    for (double t = 0.5; t < 25; t += 0.173) {
+      const double h = 1e-4;
+      const MotionState before = trajectory.at(t - h), now = trajectory.at(t), after = trajectory.at(t + h);
+      const Vec<double, 3> v = (after.T_world_body.p() - before.T_world_body.p()) / (2 * h);
+      const Vec<double, 3> a = (after.v_world_body - before.v_world_body) / (2 * h);
+      const Vec<double, 3> w = minus(after.T_world_body.rotation(), before.T_world_body.rotation()) / (2 * h);
+      REQUIRE((v - now.v_world_body).norm() < 1e-6);
+      REQUIRE((a - now.a_world_body).norm() < 1e-5);
+      REQUIRE((w - now.w_body).norm() < 1e-6);
+    }
+  }
+}
+
+TEST_CASE("trajectory: stands still for a second, then moves like a camera in the hand") {
+  for (const std::string_view scene : testing::scene_names) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      const Trajectory trajectory = *Trajectory::for_scene(scene, seed);
+      REQUIRE(trajectory.at(0).T_world_body.p() == trajectory.at(1.0).T_world_body.p());
+      REQUIRE(trajectory.at(1.0).specific_force().norm() == Approx(9.81));
+      REQUIRE(trajectory.at(1.0).w_body.norm() == 0);
+      double distance = 0, fastest = 0, fastest_turn = 0;
+      for (double t = 0; t < 30; t += 0.01) {
+        const MotionState state = trajectory.at(t);
+        distance += 0.01 * state.v_world_body.norm();
+        fastest = std::max(fastest, state.v_world_body.norm());
+        fastest_turn = std::max(fastest_turn, state.w_body.norm());
+      }
+      REQUIRE(distance / 30 > 0.3);
+      REQUIRE(fastest < 1.3);
+      REQUIRE(fastest_turn < 1.4);
+    }
+  }
+}
+
+TEST_CASE("trajectory: keeps clear of the furniture and sees surfaces at a useful depth") {
+  for (const std::string_view name : testing::scene_names) {
+    const Scene scene = *make_scene(name);
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      const Trajectory trajectory = *Trajectory::for_scene(name, seed);
+      for (double t = 0; t < 30; t += 0.25) {
+        const SE3<double> T_world_cam = trajectory.at(t).T_world_body * simulated_T_body_camera();
+        REQUIRE(scene.distance(T_world_cam.p()) > 0.5);
+        const double depth = scene.intersect(T_world_cam.p(), T_world_cam.rotation() * Vec<double, 3>(0, 0, 1));
+        REQUIRE(depth > 0.7);
+        REQUIRE(depth < 6.0);
+      }
+    }
+  }
+}
+
+TEST_CASE("trajectory: the corridor's path returns to its start") {
+  const Trajectory trajectory = *Trajectory::for_scene("corridor");
+  const Vec<double, 3> start = trajectory.at(1).T_world_body.p(), half = trajectory.at(10.5).T_world_body.p();
+  REQUIRE((half - start).norm() > 4);
+  REQUIRE((trajectory.at(19.5).T_world_body.p() - start).norm() < 0.3);
+}
+
+TEST_CASE("trajectory: unknown scenes have none") { REQUIRE(!Trajectory::for_scene("nowhere")); }
