@@ -10,13 +10,13 @@ expect_error 'empty' "${run[@]}" --dataset empty
 
 expect_error 'missing/out.tum: cannot be written' run --config "$config" --dataset "$recording" \
   --trajectory missing/out.tum
-expect_error 'directory' run --config "$config" --dataset "$recording" --trajectory empty
+expect_error 'empty: is a directory' run --config "$config" --dataset "$recording" --trajectory empty
 expect_error 'missing/t.csv: cannot be written' "${run[@]}" --dataset "$recording" --timing missing/t.csv
 expect_error 'missing/l.ply: cannot be written' "${run[@]}" --dataset "$recording" --landmarks missing/l.ply
 
 expect_error 'missing.yaml: no such file' "${run[@]}" --dataset "$recording" --calibration missing.yaml
-sed -E 's/(resolution: *)\[.*\]/\1[320, 200]/' "$recording/calibration.yaml" > small.yaml
-expect_error 'calibration says 320 x 200' "${run[@]}" --dataset "$recording" --calibration small.yaml
+sed -E 's/(resolution: *)\[.*\]/\1[960, 720]/' "$recording/calibration.yaml" > large.yaml
+expect_error 'calibration says 960 x 720' "${run[@]}" --dataset "$recording" --calibration large.yaml
 echo 'camera: [' > broken.yaml
 expect_error 'broken.yaml' "${run[@]}" --dataset "$recording" --calibration broken.yaml
 expect_error 'no frame' "${run[@]}" --dataset "$recording" --start 1000

@@ -103,6 +103,7 @@ inline Trajectory moved_to(const Trajectory& trajectory, const SE3<double>& T_bo
 class TrajectoryWriter {
  public:
   explicit TrajectoryWriter(std::filesystem::path file) : file_(std::move(file)), part_(file_.string() + ".part") {
+    if (std::filesystem::is_directory(file_)) throw std::runtime_error(file_.string() + ": is a directory");
     stream_.open(part_);
     if (!stream_) throw std::runtime_error(file_.string() + ": cannot be written");
   }
