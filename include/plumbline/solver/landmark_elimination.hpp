@@ -100,9 +100,9 @@ class LandmarkElimination {
     const int slots = int(touched_.size());
     for (int s = 0; s < slots; ++s) {
       const Mat<Acc, LandmarkDim, BlockDim> A_s = A(s);
-      normal.add_gradient(touched_[s], A_s, c_, HS(-1));
+      normal.add(touched_[s], A_s, c_, HS(-1));
       for (int t = 0; t < slots; ++t) {
-        if (touched_[t] <= touched_[s]) {
+        if (touched_[t] < touched_[s]) {
           normal.add_product(touched_[s], A_s, touched_[t], Mat<Acc, LandmarkDim, BlockDim>(A(t)), HS(-1));
         }
       }

@@ -50,12 +50,15 @@ class NormalEquations {
   /// Rows that touch block i.
   template <class T, int R, int C>
   void add(int i, const Mat<T, R, C>& J_i, const Vec<T, R>& r, S weight) {
-    add_product(i, J_i, i, J_i, weight);
-    add_gradient(i, J_i, r, weight);
+    const Mat<S, R, C> J = J_i.template cast<S>();
+    const Mat<S, C, R> wJt = weight * J.transpose();  // by columns, so that the products below run along columns of H
+    add_block(i, i, wJt, J);
+    b_.template segment<C>(i * BlockDim).noalias() += wJt * r.template cast<S>();
   }
   /// Rows that touch blocks i and j, i != j.
   template <class T, int R, int C, int D>
   void add(int i, const Mat<T, R, C>& J_i, int j, const Mat<T, R, D>& J_j, const Vec<T, R>& r, S weight) {
+    PLUMBLINE_ASSERT(i != j);
     add(i, J_i, r, weight);
     add(j, J_j, r, weight);
     if (i > j) {
@@ -68,17 +71,8 @@ class NormalEquations {
   /// H_ij += weight J_i^T J_j, i >= j.
   template <class T, int R, int C, int D>
   void add_product(int i, const Mat<T, R, C>& J_i, int j, const Mat<T, R, D>& J_j, S weight) {
-    static_assert(C <= BlockDim && D <= BlockDim, "plumbline: a Jacobian has more columns than a parameter block");
-    PLUMBLINE_ASSERT(i >= j && j >= 0 && i < blocks_);
-    const Mat<S, R, C> wJ_i = weight * J_i.template cast<S>();
-    const Mat<S, R, D> J = J_j.template cast<S>();
-    H_.template block<C, D>(i * BlockDim, j * BlockDim).noalias() += wJ_i.transpose() * J;
-  }
-  /// b_i += weight J_i^T r.
-  template <class T, int R, int C>
-  void add_gradient(int i, const Mat<T, R, C>& J_i, const Vec<T, R>& r, S weight) {
-    const Vec<S, R> wr = weight * r.template cast<S>();
-    b_.template segment<C>(i * BlockDim).noalias() += J_i.template cast<S>().transpose() * wr;
+    const Mat<S, C, R> wJt = weight * J_i.transpose().template cast<S>();
+    add_block(i, j, wJt, Mat<S, R, D>(J_j.template cast<S>()));
   }
 
   /// Dense rows (a prior) r = r0 + J0 e over the leading J0.cols() columns, whole blocks: H += J0^T J0, b += J0^T r.
@@ -138,6 +132,13 @@ class NormalEquations {
   const Vector& b() const { return b_; }
 
  private:
+  template <int C, int R, int D>
+  void add_block(int i, int j, const Mat<S, C, R>& wJt, const Mat<S, R, D>& J) {
+    static_assert(C <= BlockDim && D <= BlockDim, "plumbline: a Jacobian has more columns than a parameter block");
+    PLUMBLINE_ASSERT(i >= j && j >= 0 && i < blocks_);
+    H_.template block<C, D>(i * BlockDim, j * BlockDim).noalias() += wJt * J;
+  }
+
   Vector scale() const {
     return H_.diagonal().unaryExpr([](S x) { return damping_scale(x); });
   }

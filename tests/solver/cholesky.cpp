@@ -1,0 +1,46 @@
+#include "plumbline/solver/cholesky.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <limits>
+
+#include "catch.hpp"
+#include "random_matrix.hpp"
+
+using namespace plumbline;
+
+TEMPLATE_TEST_CASE("cholesky: solves a damped system from its lower triangle", "", float, double) {
+  using S = TestType;
+  Random random(1);
+  for (const int dim : {1, 2, 7, 30}) {
+    const Eigen::MatrixXd J = random_matrix(random, 2 * dim, dim);
+    Eigen::MatrixXd A = J.transpose() * J;
+    const Eigen::VectorXd damping = Eigen::VectorXd::LinSpaced(dim, 0, 1), b = random_matrix(random, dim, 1);
+    const Eigen::VectorXd expected = (A + Eigen::MatrixXd(damping.asDiagonal())).inverse() * b;
+    A.triangularView<Eigen::StrictlyUpper>().setConstant(std::numeric_limits<double>::quiet_NaN());  // not read
+    Cholesky<S, 30> factor;
+    REQUIRE(factor.compute(A.cast<S>(), damping.cast<S>()));
+    typename Cholesky<S, 30>::Vector x = b.cast<S>();
+    factor.solve_in_place(x);
+    REQUIRE((x.template cast<double>() - expected).norm() < (sizeof(S) == 4 ? 1e-3 : 1e-11) * expected.norm());
+  }
+}
+
+TEMPLATE_TEST_CASE("cholesky: refuses what is not positive definite or not finite", "", float, double) {
+  using S = TestType;
+  Random random(2);
+  Cholesky<S, 12> factor;
+  const Eigen::MatrixXd J =
+      random_matrix(random, 11, 12);  // rank 11 of 12: rounding decides the sign of the last pivot
+  REQUIRE_FALSE(factor.compute((J.transpose() * J).cast<S>(), Vec<S, 12>::Zero()));
+  REQUIRE(factor.compute((J.transpose() * J).cast<S>(), Vec<S, 12>::Constant(S(1e-2))));
+  Eigen::Matrix<S, 3, 3> A = Eigen::Matrix<S, 3, 3>::Identity();
+  A(2, 2) = S(-1);
+  REQUIRE_FALSE(factor.compute(A, Vec<S, 3>::Zero()));
+  A(2, 2) = std::numeric_limits<S>::quiet_NaN();
+  REQUIRE_FALSE(factor.compute(A, Vec<S, 3>::Zero()));
+  A(2, 2) = std::numeric_limits<S>::infinity();
+  REQUIRE_FALSE(factor.compute(A, Vec<S, 3>::Zero()));
+  A(2, 2) = S(0);
+  REQUIRE_FALSE(factor.compute(A, Vec<S, 3>::Zero()));
+}

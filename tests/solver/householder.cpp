@@ -1,0 +1,56 @@
+#include "plumbline/solver/householder.hpp"
+
+#include <Eigen/LU>
+#include <limits>
+
+#include "catch.hpp"
+#include "random_matrix.hpp"
+
+using namespace plumbline;
+
+TEMPLATE_TEST_CASE("householder: a reflection zeroes the tail and keeps lengths", "", float, double) {
+  using S = TestType;
+  const S tolerance = 20 * std::numeric_limits<S>::epsilon();
+  Random random(1);
+  for (int k = 0; k < 100; ++k) {
+    Vec<S, 5> x = random_matrix<S, 5, 1>(random), y = random_matrix<S, 5, 1>(random);
+    if (k % 3 == 0) x[0] = S(0);
+    const Vec<S, 5> x0 = x, y0 = y;
+    const S tau = make_reflection(x[0], x.template tail<4>());
+    reflect(tau, x.template tail<4>(), y[0], y.template tail<4>());
+    REQUIRE(std::abs(std::abs(x[0]) - x0.norm()) < tolerance);
+    REQUIRE(std::abs(y.norm() - y0.norm()) < tolerance);
+    REQUIRE(std::abs(x[0] * y[0] - x0.dot(y0)) < tolerance);
+  }
+  Vec<S, 3> x(S(-2), S(0), S(0));
+  REQUIRE(make_reflection(x[0], x.template tail<2>()) == S(0));
+  REQUIRE(x[0] == S(-2));
+}
+
+TEST_CASE("householder: eliminating columns leaves their Schur complement") {
+  Random random(2);
+  const Eigen::MatrixXd M = random_matrix(random, 20, 9);
+  const int m = 4, r = 5;
+  Eigen::MatrixXd work = M;
+  REQUIRE(eliminate_leading_columns(work.topRows(20), m) == m);
+  const Eigen::MatrixXd J0 = work.block(m, m, 20 - m, r), Jm = M.leftCols(m), Jr = M.rightCols(r);
+  const Eigen::MatrixXd schur =
+      Jr.transpose() * Jr - Jr.transpose() * Jm * (Jm.transpose() * Jm).inverse() * Jm.transpose() * Jr;
+  REQUIRE(work.block(m, 0, 20 - m, m).isZero(0));
+  REQUIRE(relative_error(J0.transpose() * J0, schur) < 1e-12);
+}
+
+TEST_CASE("householder: a column without information has no pivot") {
+  Random random(3);
+  Eigen::MatrixXd M = random_matrix(random, 10, 6);
+  M.col(0).setZero();
+  M.col(2) = 2 * M.col(1);
+  Eigen::MatrixXd work = M;
+  const int rank = eliminate_leading_columns(work.topRows(10), 3);
+  REQUIRE(rank == 1);
+  const Eigen::VectorXd q = M.col(1).normalized();
+  const Eigen::MatrixXd Jr = M.rightCols(3), projected = Jr - q * q.transpose() * Jr, J0 = work.block(1, 3, 9, 3);
+  REQUIRE(relative_error(J0.transpose() * J0, projected.transpose() * projected) < 1e-12);
+  work.setZero();
+  REQUIRE(eliminate_leading_columns(work.topRows(10), 2) == 0);
+}
