@@ -13,6 +13,7 @@
 ///
 /// Per iteration: reset, add ..., then for each mu: eliminate, add_to, (solve), back_substitute.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -47,21 +48,29 @@ class LandmarkElimination {
            const Mat<S, R, LandmarkDim>& J_l, const Vec<S, R>& r) {
     PLUMBLINE_ASSERT(i != j);
     if (rows_ + R > MaxRows) return false;
-    keep<R>(slot(i), J_i.data(), slot(j), J_j.data(), J_l, r);
+    for (int k = 0; k < R; ++k) {
+      row(rows_ + k, 0) = J_i.row(k);
+      row(rows_ + k, 1) = J_j.row(k);
+    }
+    keep<R>(slot(i), slot(j), J_l, r);
     return true;
   }
   /// Rows that touch one pose.
   template <int R>
   bool add(int i, const Mat<S, R, BlockDim>& J_i, const Mat<S, R, LandmarkDim>& J_l, const Vec<S, R>& r) {
     if (rows_ + R > MaxRows) return false;
-    keep<R>(slot(i), J_i.data(), none, nullptr, J_l, r);
+    for (int k = 0; k < R; ++k) {
+      row(rows_ + k, 0) = J_i.row(k);
+      row(rows_ + k, 1).setZero();
+    }
+    keep<R>(slot(i), none, J_l, r);
     return true;
   }
   /// Rows that touch no pose (e.g. a depth measured in the anchor).
   template <int R>
   bool add(const Mat<S, R, LandmarkDim>& J_l, const Vec<S, R>& r) {
     if (rows_ + R > MaxRows) return false;
-    keep<R>(none, nullptr, none, nullptr, J_l, r);
+    keep<R>(none, none, J_l, r);
     return true;
   }
 
@@ -75,36 +84,49 @@ class LandmarkElimination {
     if (mu_ > 0) Q.middleRows(rows_, LandmarkDim) = (mu_ * damping_).cwiseSqrt().asDiagonal();
     if (!factorize(Q, n)) return false;
 
+    const int columns = int(touched_.size()) * BlockDim;
     c_.noalias() = Q.topRows(rows_).transpose() * r_.head(rows_).template cast<Acc>();
-    A_.leftCols(int(touched_.size()) * BlockDim).setZero();
-    for_each_group([&]<int R>(const Group& group) {
-      const Mat<Acc, LandmarkDim, R> Qt = Q.template middleRows<R>(group.first_row).transpose();
-      if (group.slot_i != none) A(group.slot_i).noalias() += Qt * J_p<R>(group, 0);
-      if (group.slot_j != none) A(group.slot_j).noalias() += Qt * J_p<R>(group, 1);
-    });
-    return c_.allFinite() && A_.leftCols(int(touched_.size()) * BlockDim).allFinite();
+    A_.leftCols(columns).setZero();
+    for (const Group& group : groups_) {
+      for (int k = group.first_row; k < group.first_row + group.rows; ++k) {
+        for (int l = 0; l < LandmarkDim; ++l) {
+          if (group.slot_i != none) A(l, group.slot_i) += Q(k, l) * row(k, 0).template cast<Acc>();
+          if (group.slot_j != none) A(l, group.slot_j) += Q(k, l) * row(k, 1).template cast<Acc>();
+        }
+      }
+    }
+    return c_.allFinite() && A_.leftCols(columns).allFinite();
   }
 
   /// (11), after a successful eliminate. The cost is not touched.
-  template <class HS, int NormalDim, int NormalBlocks>
-  void add_to(NormalEquations<HS, NormalDim, NormalBlocks>& normal) const {
+  template <int NormalDim, int NormalBlocks>
+  void add_to(NormalEquations<Acc, NormalDim, NormalBlocks>& normal) const {
     static_assert(BlockDim <= NormalDim,
                   "plumbline: a pose of the landmark does not fit a block of the normal equations");
-    for_each_group([&]<int R>(const Group& group) {
-      const Vec<Acc, R> r = r_.template segment<R>(group.first_row).template cast<Acc>();
-      if (group.slot_i == none) return;
+    constexpr int B = BlockDim, stride = 2 * B;
+    std::array<Acc, max_group_rows * stride> rows;
+    std::array<Acc, max_group_rows> r;
+    for (const Group& group : groups_) {
+      if (group.slot_i == none) continue;
+      for (int k = 0; k < group.rows; ++k) r[k] = Acc(r_[group.first_row + k]);
+      for (int k = 0; k < group.rows * stride; ++k) rows[k] = Acc(J_p_[group.first_row * stride + k]);
       const int i = touched_[group.slot_i];
-      if (group.slot_j == none) return normal.add(i, J_p<R>(group, 0), r, HS(1));
-      normal.add(i, J_p<R>(group, 0), int(touched_[group.slot_j]), J_p<R>(group, 1), r, HS(1));
-    });
-    const int slots = int(touched_.size());
-    for (int s = 0; s < slots; ++s) {
-      const Mat<Acc, LandmarkDim, BlockDim> A_s = A(s);
-      normal.add(touched_[s], A_s, c_, HS(-1));
-      for (int t = 0; t < slots; ++t) {
-        if (touched_[t] < touched_[s]) {
-          normal.add_product(touched_[s], A_s, touched_[t], Mat<Acc, LandmarkDim, BlockDim>(A(t)), HS(-1));
-        }
+      normal.template add_product<B, B>(i, &rows[0], i, &rows[0], group.rows, stride, Acc(1));
+      normal.template add_gradient<B>(i, &rows[0], &r[0], group.rows, stride, Acc(1));
+      if (group.slot_j == none) continue;
+      const int j = touched_[group.slot_j];
+      normal.template add_product<B, B>(j, &rows[B], j, &rows[B], group.rows, stride, Acc(1));
+      normal.template add_product<B, B>(std::max(i, j), &rows[i > j ? 0 : B], std::min(i, j), &rows[i > j ? B : 0],
+                                        group.rows, stride, Acc(1));
+      normal.template add_gradient<B>(j, &rows[B], &r[0], group.rows, stride, Acc(1));
+    }
+    for (int s = 0; s < int(touched_.size()); ++s) {
+      const Acc* const A_s = A_.data() + s * B;
+      normal.template add_gradient<B>(touched_[s], A_s, c_.data(), LandmarkDim, B * MaxBlocks, Acc(-1));
+      for (int t = 0; t < int(touched_.size()); ++t) {
+        if (touched_[t] > touched_[s]) continue;
+        normal.template add_product<B, B>(touched_[s], A_s, touched_[t], A_.data() + t * B, LandmarkDim, B * MaxBlocks,
+                                          Acc(-1));
       }
     }
   }
@@ -114,7 +136,8 @@ class LandmarkElimination {
   Vec<S, LandmarkDim> back_substitute(const Eigen::MatrixBase<D>& d, int stride = BlockDim) const {
     Vec<Acc, LandmarkDim> dl = -c_;
     for (int s = 0; s < int(touched_.size()); ++s) {
-      dl -= A(s) * d.template segment<BlockDim>(touched_[s] * stride).template cast<Acc>();
+      const Vec<Acc, BlockDim> d_s = d.template segment<BlockDim>(touched_[s] * stride).template cast<Acc>();
+      for (int l = 0; l < LandmarkDim; ++l) dl[l] -= A(l, s).dot(d_s.transpose());
     }
     for (int k = LandmarkDim - 1; k >= 0; --k) {
       dl[k] /= R1_(k, k);
@@ -136,20 +159,22 @@ class LandmarkElimination {
     work.topRows(rows_).setZero();
     work.topRows(rows_).template leftCols<LandmarkDim>() = J_l_.topRows(rows_).template cast<typename D::Scalar>();
     work.col(work.cols() - 1).head(rows_) = r_.head(rows_).template cast<typename D::Scalar>();
-    for_each_group([&]<int R>(const Group& group) {
+    for (const Group& group : groups_) {
       for (int side = 0; side < 2; ++side) {
         const int slot = side == 0 ? group.slot_i : group.slot_j;
         if (slot == none) continue;
-        work.template block<R, BlockDim>(group.first_row, LandmarkDim + touched_[slot] * stride) =
-            J_p<R>(group, side).template cast<typename D::Scalar>();
+        const int column = LandmarkDim + touched_[slot] * stride;
+        for (int k = group.first_row; k < group.first_row + group.rows; ++k) {
+          work.row(k).template segment<BlockDim>(column) = row(k, side).template cast<typename D::Scalar>();
+        }
       }
-    });
+    }
     return eliminate_leading_columns(work.topRows(rows_), LandmarkDim);
   }
 
  private:
   static constexpr std::int16_t none = -1;
-  static constexpr int max_group_rows = 4;  // longer ones are split: loops of constant length, few of them
+  static constexpr int max_group_rows = 6;  // longer ones are split
   struct Group {
     std::int16_t slot_i, slot_j, first_row, rows;
   };
@@ -165,44 +190,22 @@ class LandmarkElimination {
   }
 
   template <int R>
-  void keep(std::int16_t slot_i, const S* J_i, std::int16_t slot_j, const S* J_j, const Mat<S, R, LandmarkDim>& J_l,
-            const Vec<S, R>& r) {
+  void keep(std::int16_t slot_i, std::int16_t slot_j, const Mat<S, R, LandmarkDim>& J_l, const Vec<S, R>& r) {
     J_l_.template middleRows<R>(rows_) = J_l;
     r_.template segment<R>(rows_) = r;
-    keep_poses<R, R>(slot_i, J_i, slot_j, J_j);
-  }
-  /// The last R of AllRows rows.
-  template <int R, int AllRows>
-  void keep_poses(std::int16_t slot_i, const S* J_i, std::int16_t slot_j, const S* J_j) {
-    constexpr int rows = R < max_group_rows ? R : max_group_rows;
-    using All = Eigen::Map<const Mat<S, AllRows, BlockDim>>;
-    using Kept = Eigen::Map<Mat<S, rows, BlockDim>>;
-    S* const to = &J_p_[rows_ * 2 * BlockDim];
-    if (J_i) Kept{to} = All(J_i).template middleRows<rows>(AllRows - R);
-    if (J_j) Kept{to + rows* BlockDim} = All(J_j).template middleRows<rows>(AllRows - R);
-    groups_.push_back({slot_i, slot_j, std::int16_t(rows_), std::int16_t(rows)});
-    rows_ += rows;
-    if constexpr (R > rows) keep_poses<R - rows, AllRows>(slot_i, J_i, slot_j, J_j);
+    for (int k = 0; k < R; k += max_group_rows) {
+      groups_.push_back({slot_i, slot_j, std::int16_t(rows_ + k), std::int16_t(std::min(R - k, max_group_rows))});
+    }
+    rows_ += R;
   }
 
-  template <class F>
-  void for_each_group(F&& f) const {
-    for (const Group& group : groups_) {
-      switch (group.rows) {
-        case 1: f.template operator()<1>(group); break;
-        case 2: f.template operator()<2>(group); break;
-        case 3: f.template operator()<3>(group); break;
-        default: f.template operator()<max_group_rows>(group);
-      }
-    }
+  /// Row k of J_i (side 0) or J_j (side 1).
+  auto row(int k, int side) { return Eigen::Map<Mat<S, 1, BlockDim>>(&J_p_[(2 * k + side) * BlockDim]); }
+  auto row(int k, int side) const { return Eigen::Map<const Mat<S, 1, BlockDim>>(&J_p_[(2 * k + side) * BlockDim]); }
+  auto A(int l, int slot) { return Eigen::Map<Mat<Acc, 1, BlockDim>>(A_.data() + (l * MaxBlocks + slot) * BlockDim); }
+  auto A(int l, int slot) const {
+    return Eigen::Map<const Mat<Acc, 1, BlockDim>>(A_.data() + (l * MaxBlocks + slot) * BlockDim);
   }
-  template <int R>
-  Mat<Acc, R, BlockDim> J_p(const Group& group, int side) const {
-    return Eigen::Map<const Mat<S, R, BlockDim>>(&J_p_[(group.first_row * 2 + side * R) * BlockDim])
-        .template cast<Acc>();
-  }
-  auto A(int slot) { return A_.template middleCols<BlockDim>(slot * BlockDim); }
-  auto A(int slot) const { return A_.template middleCols<BlockDim>(slot * BlockDim); }
 
   /// The first n rows of Q become Q1, and R1_ is set.
   bool factorize(Eigen::Matrix<Acc, MaxRows + LandmarkDim, LandmarkDim>& Q, int n) {
@@ -236,10 +239,10 @@ class LandmarkElimination {
   FixedVector<Group, MaxRows> groups_;
   FixedVector<std::int16_t, MaxBlocks> touched_;            // blocks, in the order of their first row
   std::array<std::int16_t, MaxBlocks> slot_of_block_;       // its inverse
-  std::array<S, std::size_t(MaxRows) * 2 * BlockDim> J_p_;  // per group: J_i, then J_j, each R x BlockDim
+  std::array<S, std::size_t(MaxRows) * 2 * BlockDim> J_p_;  // by rows: that of J_i, then that of J_j
   Mat<S, MaxRows, LandmarkDim> J_l_;
   Vec<S, MaxRows> r_;
-  Mat<Acc, LandmarkDim, BlockDim * MaxBlocks> A_;  // by slot
+  Eigen::Matrix<Acc, LandmarkDim, BlockDim * MaxBlocks, Eigen::RowMajor> A_;  // columns by slot
   Mat<Acc, LandmarkDim, LandmarkDim> R1_;
   Vec<Acc, LandmarkDim> c_, damping_;
 };

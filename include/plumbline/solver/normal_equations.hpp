@@ -50,52 +50,74 @@ class NormalEquations {
   /// Rows that touch block i.
   template <class T, int R, int C>
   void add(int i, const Mat<T, R, C>& J_i, const Vec<T, R>& r, S weight) {
-    const Mat<S, R, C> J = J_i.template cast<S>();
-    const Mat<S, C, R> wJt = weight * J.transpose();  // by columns, so that the products below run along columns of H
-    add_block(i, i, wJt, J);
-    b_.template segment<C>(i * BlockDim).noalias() += wJt * r.template cast<S>();
+    const Rows<R, C> a(J_i);
+    const Rows<R, 1> e(r);
+    add_product<C, C>(i, a.data, i, a.data, R, C, weight);
+    add_gradient<C>(i, a.data, e.data, R, C, weight);
   }
   /// Rows that touch blocks i and j, i != j.
   template <class T, int R, int C, int D>
   void add(int i, const Mat<T, R, C>& J_i, int j, const Mat<T, R, D>& J_j, const Vec<T, R>& r, S weight) {
     PLUMBLINE_ASSERT(i != j);
-    add(i, J_i, r, weight);
-    add(j, J_j, r, weight);
+    constexpr int stride = C + D;
+    const Rows<R, stride> ab(J_i, J_j);
+    const Rows<R, 1> e(r);
+    const S *a = ab.data, *b = ab.data + C;
+    add_product<C, C>(i, a, i, a, R, stride, weight);
+    add_product<D, D>(j, b, j, b, R, stride, weight);
     if (i > j) {
-      add_product(i, J_i, j, J_j, weight);
+      add_product<C, D>(i, a, j, b, R, stride, weight);
     } else {
-      add_product(j, J_j, i, J_i, weight);
+      add_product<D, C>(j, b, i, a, R, stride, weight);
+    }
+    add_gradient<C>(i, a, e.data, R, stride, weight);
+    add_gradient<D>(j, b, e.data, R, stride, weight);
+  }
+
+  /// H_ij += weight sum_k a_k b_k^T, i >= j, for rows a_k (C numbers) and b_k (D numbers) that are `stride` apart.
+  template <int C, int D>
+  void add_product(int i, const S* a, int j, const S* b, int rows, int stride, S weight) {
+    static_assert(C <= BlockDim && D <= BlockDim, "plumbline: a Jacobian has more columns than a parameter block");
+    PLUMBLINE_ASSERT(i >= j && j >= 0 && i < blocks_);
+    const int dim = this->dim();
+    S* const block = H_.data() + j * BlockDim * dim + i * BlockDim;
+    const auto column = [&](int d) { return Eigen::Map<Vec<S, C>>(block + d * dim); };
+    const auto row = [&](int k) { return Eigen::Map<const Vec<S, C>>(a + k * stride); };
+    const auto scale = [&](int k, int d) { return weight * b[k * stride + d]; };
+    int k = 0;
+    for (; k + 3 <= rows; k += 3) {  // three rows at a time: H is read and written once for them
+      for (int d = 0; d < D; ++d) {
+        column(d) += scale(k, d) * row(k) + scale(k + 1, d) * row(k + 1) + scale(k + 2, d) * row(k + 2);
+      }
+    }
+    for (; k + 2 <= rows; k += 2) {
+      for (int d = 0; d < D; ++d) column(d) += scale(k, d) * row(k) + scale(k + 1, d) * row(k + 1);
+    }
+    if (k < rows) {
+      for (int d = 0; d < D; ++d) column(d) += scale(k, d) * row(k);
     }
   }
-
-  /// H_ij += weight J_i^T J_j, i >= j.
-  template <class T, int R, int C, int D>
-  void add_product(int i, const Mat<T, R, C>& J_i, int j, const Mat<T, R, D>& J_j, S weight) {
-    const Mat<S, C, R> wJt = weight * J_i.transpose().template cast<S>();
-    add_block(i, j, wJt, Mat<S, R, D>(J_j.template cast<S>()));
+  /// b_i += weight sum_k a_k r_k.
+  template <int C>
+  void add_gradient(int i, const S* a, const S* r, int rows, int stride, S weight) {
+    Eigen::Map<Vec<S, C>> segment(b_.data() + i * BlockDim);
+    for (int k = 0; k < rows; ++k) segment += (weight * r[k]) * Eigen::Map<const Vec<S, C>>(a + k * stride);
   }
 
-  /// Dense rows (a prior) r = r0 + J0 e over the leading J0.cols() columns, whole blocks: H += J0^T J0, b += J0^T r.
-  /// Zeros at the bottom of columns (an upper triangular J0) are not multiplied.
+  /// Dense rows (a prior) r = r0 + J0 e over the leading J0.cols() columns: H += J0^T J0, b += J0^T r.
+  /// Zeros at the bottom of a column (an upper triangular J0) are not multiplied.
   template <class DJ, class Dr, class De>
   void add_dense(const Eigen::MatrixBase<DJ>& J0, const Eigen::MatrixBase<Dr>& r0, const Eigen::MatrixBase<De>& e) {
-    PLUMBLINE_ASSERT(J0.cols() <= dim() && J0.cols() % BlockDim == 0 && J0.rows() == r0.size());
-    const int blocks = int(J0.cols()) / BlockDim;
+    PLUMBLINE_ASSERT(J0.cols() <= dim() && J0.rows() == r0.size() && J0.cols() == e.size());
+    const int columns = int(J0.cols());
     Eigen::Matrix<S, Eigen::Dynamic, 1, 0, DJ::MaxRowsAtCompileTime, 1> r = r0.template cast<S>();
-    for (int k = 0; k < J0.cols(); ++k) r += S(e[k]) * J0.col(k).template cast<S>();
-    for (int j = 0; j < blocks; ++j) {
-      const int begin = j * BlockDim;
+    for (int j = 0; j < columns; ++j) r += S(e[j]) * J0.col(j).template cast<S>();
+    for (int j = 0; j < columns; ++j) {
       int rows = int(J0.rows());
-      while (rows > 0 && (J0.row(rows - 1).template segment<BlockDim>(begin).array() == 0).all()) --rows;
-      b_.template segment<BlockDim>(begin) +=
-          J0.template middleCols<BlockDim>(begin).template cast<S>().transpose().lazyProduct(r);
-      for (int i = j; i < blocks; ++i) {
-        H_.template block<BlockDim, BlockDim>(i * BlockDim, begin) +=
-            J0.template middleCols<BlockDim>(i * BlockDim)
-                .topRows(rows)
-                .template cast<S>()
-                .transpose()
-                .lazyProduct(J0.template middleCols<BlockDim>(begin).topRows(rows).template cast<S>());
+      while (rows > 0 && J0(rows - 1, j) == 0) --rows;
+      b_[j] += J0.col(j).head(rows).template cast<S>().dot(r.head(rows));
+      for (int i = j; i < columns; ++i) {
+        H_(i, j) += J0.col(i).head(rows).template cast<S>().dot(J0.col(j).head(rows).template cast<S>());
       }
     }
   }
@@ -132,12 +154,24 @@ class NormalEquations {
   const Vector& b() const { return b_; }
 
  private:
-  template <int C, int R, int D>
-  void add_block(int i, int j, const Mat<S, C, R>& wJt, const Mat<S, R, D>& J) {
-    static_assert(C <= BlockDim && D <= BlockDim, "plumbline: a Jacobian has more columns than a parameter block");
-    PLUMBLINE_ASSERT(i >= j && j >= 0 && i < blocks_);
-    H_.template block<C, D>(i * BlockDim, j * BlockDim).noalias() += wJt * J;
-  }
+  /// Jacobians side by side, one row after the other.
+  template <int R, int C>
+  struct Rows {
+    S data[R * C];
+    template <class... J>
+    explicit Rows(const J&... jacobians) {
+      int column = 0;
+      (write(jacobians, column), ...);
+    }
+
+   private:
+    template <class T, int D>
+    void write(const Mat<T, R, D>& J, int& column) {
+      for (int d = 0; d < D; ++d, ++column) {
+        for (int k = 0; k < R; ++k) data[k * C + column] = S(J(k, d));
+      }
+    }
+  };
 
   Vector scale() const {
     return H_.diagonal().unaryExpr([](S x) { return damping_scale(x); });

@@ -1,0 +1,239 @@
+#include "plumbline/solver/landmark_elimination.hpp"
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "catch.hpp"
+#include "random_matrix.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+constexpr int pose_dim = 6, poses = 5, landmarks = 4;
+
+/// The rows of all landmarks as one dense matrix [landmarks | poses], and what the solver must make of them. Not a
+/// template, all in double.
+struct Dense {
+  int landmark_columns, dim;
+  Eigen::MatrixXd J;
+  Eigen::VectorXd r;
+
+  Dense(int landmark_columns_, int dim_)
+      : landmark_columns(landmark_columns_), dim(dim_), J(0, landmark_columns + dim) {}
+
+  void add(const Eigen::MatrixXd& J_l, int l, const Eigen::MatrixXd& J_i, int i, const Eigen::MatrixXd& J_j, int j,
+           const Eigen::VectorXd& res) {
+    const int first = int(J.rows()), n = int(res.size());
+    J.conservativeResize(first + n, Eigen::NoChange);
+    r.conservativeResize(first + n);
+    J.bottomRows(n).setZero();
+    J.block(first, l, n, J_l.cols()) = J_l;
+    if (i >= 0) J.block(first, landmark_columns + i, n, pose_dim) = J_i;
+    if (j >= 0) J.block(first, landmark_columns + j, n, pose_dim) = J_j;
+    r.tail(n) = res;
+  }
+  /// Q2^T of the landmarks' columns, applied to the poses' columns and to r.
+  Eigen::MatrixXd reduced() const {
+    Eigen::MatrixXd rows(J.rows(), dim + 1);
+    rows << J.rightCols(dim), r;
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(J.leftCols(landmark_columns));
+    return Eigen::MatrixXd(qr.householderQ().transpose() * rows).bottomRows(J.rows() - landmark_columns);
+  }
+  Eigen::MatrixXd reduced_H() const {
+    const Eigen::MatrixXd rows = reduced();
+    return (rows.transpose() * rows).topLeftCorner(dim, dim);
+  }
+  Eigen::VectorXd reduced_b() const {
+    const Eigen::MatrixXd rows = reduced();
+    return (rows.transpose() * rows).col(dim).head(dim);
+  }
+  /// The step of the full system with `information` on each pose parameter and H += diag(damping), and the decrease of
+  /// the undamped model that it promises.
+  Eigen::VectorXd step(double information, const Eigen::VectorXd& damping, double& decrease) const {
+    Eigen::MatrixXd H = J.transpose() * J;
+    H.diagonal().tail(dim).array() += information;
+    const Eigen::VectorXd b = J.transpose() * r;
+    Eigen::MatrixXd damped = H;
+    damped.diagonal() += damping;
+    const Eigen::VectorXd d = -(damped.inverse() * b);
+    const Eigen::VectorXd Hd = H * d;
+    decrease = -d.dot(b) - d.dot(Hd) / 2;
+    return d;
+  }
+};
+
+/// Random columns of this condition number, singular values in geometric progression from 1.
+Eigen::MatrixXd columns_of_condition(Random& random, int rows, int cols, double condition) {
+  const Eigen::HouseholderQR<Eigen::MatrixXd> left(random_matrix(random, rows, cols)),
+      right(random_matrix(random, cols, cols));
+  Eigen::MatrixXd out = right.householderQ();
+  for (int k = 1; k < cols; ++k) out.row(k) *= std::pow(condition, -double(k) / (cols - 1));
+  return left.householderQ() * Eigen::MatrixXd::Identity(rows, cols) * out;
+}
+
+/// Landmarks seen from random pairs of poses. Block columns of the poses are NormalDim wide, of which the landmarks see
+/// the leading six. `condition` is that of a
+/// landmark's columns.
+template <class S, int L, class Acc = double, int NormalDim = pose_dim>
+struct Problem {
+  static constexpr int dim = NormalDim * poses;
+  using Normal = NormalEquations<double, NormalDim, poses>;
+  using Elimination = LandmarkElimination<S, L, pose_dim, poses, 64, Acc>;
+  std::vector<Elimination> eliminations;
+  Dense dense;
+
+  explicit Problem(std::uint64_t seed, int count = landmarks, double condition = 1.0)
+      : eliminations(count), dense(count * L, dim) {
+    Random random(seed);
+    for (int l = 0; l < count; ++l) {
+      const Eigen::MatrixXd J_l = columns_of_condition(random, 29, L, condition);
+      for (int o = 0; o < 8; ++o) {
+        const int i = int(random.below(poses));
+        add<2>(random, J_l, l, i, (i + 1 + int(random.below(poses - 1))) % poses);
+      }
+      add<7>(random, J_l, l, 2, -1);  // more rows than a group holds
+      add<5>(random, J_l, l, 4, 0);
+      add<1>(random, J_l, l, -1, -1);
+    }
+  }
+
+  template <int R>
+  void add(Random& random, const Eigen::MatrixXd& all_J_l, int l, int i, int j) {
+    const Mat<S, R, L> J_l = all_J_l.middleRows<R>(eliminations[l].rows()).template cast<S>();
+    const Mat<S, R, pose_dim> J_i = random_matrix<S, R, pose_dim>(random), J_j = random_matrix<S, R, pose_dim>(random);
+    const Vec<S, R> r = random_matrix<S, R, 1>(random);
+    const bool kept = i < 0   ? eliminations[l].add(J_l, r)
+                      : j < 0 ? eliminations[l].add(i, J_i, J_l, r)
+                              : eliminations[l].add(i, J_i, j, J_j, J_l, r);
+    REQUIRE(kept);
+    dense.add(J_l.template cast<double>(), l * L, J_i.template cast<double>(), i * NormalDim,
+              J_j.template cast<double>(), j * NormalDim, r.template cast<double>());
+  }
+};
+
+/// Reduced system, step and predicted decrease against the dense full problem; the arithmetic is in double.
+template <class S, int L, int NormalDim>
+void check() {
+  using P = Problem<S, L, double, NormalDim>;
+  P problem(11);
+  const Dense& dense = problem.dense;
+  const double tolerance = sizeof(S) == 4 ? 2e-6 : 1e-10;
+  const auto normal = std::make_unique<typename P::Normal>();
+  for (const double mu : {0.0, 1e-4, 0.1, 10.0}) {
+    normal->reset(poses);
+    for (auto& landmark : problem.eliminations) {
+      REQUIRE(landmark.eliminate(S(mu)));
+      landmark.add_to(*normal);
+    }
+    if (mu == 0) {
+      REQUIRE(relative_error(symmetric(normal->H()), dense.reduced_H()) < 1e-13);
+      REQUIRE(relative_error(normal->b(), dense.reduced_b()) < 1e-13);
+      REQUIRE(normal->cost() == 0.0);
+    }
+    // Blocks wider than the landmarks' Jacobians need something that holds their other parameters.
+    const Mat<double, NormalDim, NormalDim> anchor = Mat<double, NormalDim, NormalDim>::Identity();
+    const Vec<double, NormalDim> zero = Vec<double, NormalDim>::Zero();
+    for (int i = 0; i < poses; ++i) normal->add(i, anchor, zero, 0.25);
+    // The full system: landmarks damped by their own diagonal, poses by that of the reduced system.
+    Eigen::VectorXd damping(dense.J.cols());
+    damping << dense.J.leftCols(landmarks * L).colwise().squaredNorm().transpose(), normal->H().diagonal();
+    double decrease = 0;
+    const Eigen::VectorXd expected = dense.step(0.25, mu * damping, decrease);
+    typename P::Normal::Vector d;
+    REQUIRE(normal->solve(mu, d));
+    REQUIRE(relative_error(d, expected.tail(P::dim)) < tolerance);
+    double predicted = normal->predicted_decrease(mu, d);
+    for (int l = 0; l < landmarks; ++l) {
+      const Vec<S, L> dl = problem.eliminations[l].back_substitute(d, NormalDim);
+      REQUIRE(relative_error(dl.template cast<double>(), expected.segment(l * L, L)) < tolerance);
+      predicted += problem.eliminations[l].predicted_decrease(dl);
+    }
+    REQUIRE(predicted == Approx(decrease).epsilon(tolerance));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("landmark_elimination: reduced system and step equal those of the full problem") {
+  check<float, 1, 6>();
+  check<double, 4, 15>();
+}
+
+TEST_CASE("landmark_elimination: float, landmark block of condition 1e4") {
+  for (const std::uint64_t seed : {5, 6, 7}) {
+    Problem<float, 4, float> problem(seed, 1, 1e4);
+    NormalEquations<float, 6, poses> normal;
+    normal.reset(poses);
+    REQUIRE(problem.eliminations[0].eliminate(0.0f));
+    problem.eliminations[0].add_to(normal);
+    const Eigen::MatrixXd expected = problem.dense.reduced_H();
+    const double qr = relative_error(symmetric(normal.H()), expected);
+    const Eigen::MatrixXf J = problem.dense.J.cast<float>(), H = J.transpose() * J;
+    const Mat<float, 4, 4> inverse = Mat<float, 4, 4>(H.topLeftCorner<4, 4>()).inverse();
+    const Eigen::MatrixXf H_lp = H.topRightCorner(4, 30), gain = inverse * H_lp;
+    const Eigen::MatrixXf schur = H.bottomRightCorner(30, 30) - H_lp.transpose() * gain;
+    const double plain = relative_error(schur.cast<double>(), expected);
+    CAPTURE(qr, plain);
+    REQUIRE(qr < 1e-4);
+    REQUIRE(plain > 1e-2);
+  }
+}
+
+TEST_CASE("landmark_elimination: rows for marginalization are the full complement") {
+  Problem<float, 4, float> problem(8, 1);
+  auto& landmark = problem.eliminations[0];
+  Eigen::MatrixXd work = Eigen::MatrixXd::Constant(64, 4 + problem.dim + 1, 7.0);
+  const int rank = landmark.reduced_rows(work);
+  REQUIRE(rank == 4);
+  const Eigen::MatrixXd rows = work.block(rank, 4, landmark.rows() - rank, problem.dim + 1),
+                        expected = problem.dense.reduced();
+  REQUIRE(relative_error(rows.transpose() * rows, expected.transpose() * expected) < 1e-13);
+}
+
+TEST_CASE("landmark_elimination: an undetermined landmark") {
+  Random random(9);
+  LandmarkElimination<double, 3, 6, 4, 32> landmark;
+  REQUIRE_FALSE(landmark.eliminate(0));  // no rows
+  Mat<double, 2, 3> J_l = random_matrix<double, 2, 3>(random);
+  J_l.col(2).setZero();
+  const Mat<double, 2, 6> J_p = random_matrix<double, 2, 6>(random);
+  const Vec<double, 2> r = random_matrix<double, 2, 1>(random);
+  for (int i = 0; i < 4; ++i) REQUIRE(landmark.add(i, J_p, J_l, r));
+  REQUIRE_FALSE(landmark.eliminate(0));
+  REQUIRE(landmark.eliminate(1e-4));
+  REQUIRE(landmark.back_substitute(Eigen::VectorXd::Zero(24)).allFinite());
+  Eigen::MatrixXd work(8, 3 + 24 + 1);
+  REQUIRE(landmark.reduced_rows(work) == 2);
+}
+
+TEST_CASE("landmark_elimination: refuses what is not finite, and what is too much") {
+  const Vec<float, 2> ones = Vec<float, 2>::Ones();
+  const Mat<float, 2, 6> J = Mat<float, 2, 6>::Ones();
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    LandmarkElimination<float, 1, 6, 4, 8> in_J_l, in_J_p, in_r;
+    for (auto* landmark : {&in_J_l, &in_J_p, &in_r}) {
+      REQUIRE(landmark->add(1, J, ones, ones));
+      REQUIRE(landmark->eliminate(0));
+    }
+    REQUIRE(in_J_l.add(1, J, Vec<float, 2>(1, bad), ones));
+    REQUIRE(in_J_p.add(1, Mat<float, 2, 6>(bad * J), ones, ones));
+    REQUIRE(in_r.add(1, J, ones, Vec<float, 2>(bad, 1)));
+    for (auto* landmark : {&in_J_l, &in_J_p, &in_r}) {
+      REQUIRE_FALSE(landmark->eliminate(0));
+      REQUIRE_FALSE(landmark->eliminate(1));
+    }
+  }
+  LandmarkElimination<float, 1, 6, 4, 8> full;
+  for (int k = 0; k < 3; ++k) REQUIRE(full.add(0, J, 3, J, ones, ones));
+  REQUIRE_FALSE(
+      full.add(1, Mat<float, 3, 6>(Mat<float, 3, 6>::Ones()), Vec<float, 3>(1, 1, 1), Vec<float, 3>(1, 1, 1)));
+  REQUIRE(full.rows() == 6);
+  REQUIRE(full.add(ones, ones));
+  REQUIRE_FALSE(full.add(Vec<float, 1>(1.0f), Vec<float, 1>(1.0f)));
+  full.reset();
+  REQUIRE(full.rows() == 0);
+}
