@@ -20,13 +20,15 @@ Pinhole<S> camera_of(const PointScene& s) {
 /// Checks the three Jacobians of a linearization against differences of `value(T_anchor, T_target, lambda)`.
 template <class Linearized, class Value>
 void check_jacobians(const PointScene& s, const Linearized& lin, Value&& value, double tolerance) {
-  REQUIRE(jacobian_error(lin.J_r_anchor, [&](const SE3<double>& T) { return value(T, s.T_world_target, s.lambda); },
-                         s.T_world_anchor) < tolerance);
-  REQUIRE(jacobian_error(lin.J_r_target, [&](const SE3<double>& T) { return value(s.T_world_anchor, T, s.lambda); },
-                         s.T_world_target) < tolerance);
-  REQUIRE(jacobian_error(lin.J_r_lambda,
-                         [&](const Vec<double, 1>& x) { return value(s.T_world_anchor, s.T_world_target, x(0)); },
-                         Vec<double, 1>(s.lambda)) < tolerance);
+  REQUIRE(jacobian_error(
+              lin.J_r_anchor, [&](const SE3<double>& T) { return value(T, s.T_world_target, s.lambda); },
+              s.T_world_anchor) < tolerance);
+  REQUIRE(jacobian_error(
+              lin.J_r_target, [&](const SE3<double>& T) { return value(s.T_world_anchor, T, s.lambda); },
+              s.T_world_target) < tolerance);
+  REQUIRE(jacobian_error(
+              lin.J_r_lambda, [&](const Vec<double, 1>& x) { return value(s.T_world_anchor, s.T_world_target, x(0)); },
+              Vec<double, 1>(s.lambda)) < tolerance);
 }
 
 }  // namespace

@@ -13,8 +13,7 @@ TEST_CASE("relative_view: scaled point is lambda times the point in the target c
     if (s.lambda == 0) continue;
     const RelativeView<double> view(s.T_world_anchor, s.T_world_target, s.T_body_cam);
     const Vec<double, 3> p_anchor_cam = s.bearing / s.lambda;
-    const SE3<double> T_target_anchor =
-        (s.T_world_target * s.T_body_cam).inverse() * (s.T_world_anchor * s.T_body_cam);
+    const SE3<double> T_target_anchor = (s.T_world_target * s.T_body_cam).inverse() * (s.T_world_anchor * s.T_body_cam);
     REQUIRE((view.scaled_point(s.bearing, s.lambda) - s.lambda * (T_target_anchor * p_anchor_cam)).norm() < 1e-12);
     REQUIRE((view.t_target_anchor() - T_target_anchor.p()).norm() < 1e-12);
     REQUIRE((view.R_target_anchor() - T_target_anchor.R()).norm() < 1e-12);
@@ -32,12 +31,15 @@ TEMPLATE_TEST_CASE("relative_view: Jacobians", "", float, double) {
       return RelativeView<double>(T_a, T_j, s.T_body_cam).scaled_point(s.bearing, lambda);
     };
     using testing::jacobian_error;
-    REQUIRE(jacobian_error(point.J_anchor, [&](const SE3<double>& T) { return at(T, s.T_world_target, s.lambda); },
-                           s.T_world_anchor) < tolerance);
-    REQUIRE(jacobian_error(point.J_target, [&](const SE3<double>& T) { return at(s.T_world_anchor, T, s.lambda); },
-                           s.T_world_target) < tolerance);
-    REQUIRE(jacobian_error(view.t_target_anchor(),
-                           [&](const Vec<double, 1>& x) { return at(s.T_world_anchor, s.T_world_target, x(0)); },
-                           Vec<double, 1>(s.lambda)) < tolerance);
+    REQUIRE(jacobian_error(
+                point.J_anchor, [&](const SE3<double>& T) { return at(T, s.T_world_target, s.lambda); },
+                s.T_world_anchor) < tolerance);
+    REQUIRE(jacobian_error(
+                point.J_target, [&](const SE3<double>& T) { return at(s.T_world_anchor, T, s.lambda); },
+                s.T_world_target) < tolerance);
+    REQUIRE(jacobian_error(
+                view.t_target_anchor(),
+                [&](const Vec<double, 1>& x) { return at(s.T_world_anchor, s.T_world_target, x(0)); },
+                Vec<double, 1>(s.lambda)) < tolerance);
   }
 }

@@ -13,7 +13,8 @@ TEMPLATE_TEST_CASE("world_point: Jacobians of reprojection and inverse depth", "
   const double tolerance = std::is_same_v<S, float> ? 1e-4 : 1e-7;
   for (std::uint64_t seed = 1; seed < 60; ++seed) {
     const PointScene s(seed);
-    const Vec<double, 3> p_world = s.T_world_target * (s.T_body_cam * Vec<double, 3>(s.bearing * (1 + double(seed % 5))));
+    const Vec<double, 3> p_world =
+        s.T_world_target * (s.T_body_cam * Vec<double, 3>(s.bearing * (1 + double(seed % 5))));
     const BodyView<S> view(s.T_world_target.cast<S>(), s.T_body_cam.cast<S>());
     const Pinhole<S> camera{S(s.camera.fx), S(s.camera.fy), S(s.camera.cx), S(s.camera.cy), {}};
     const auto lin_uv = PointReprojection<Pinhole<S>>{{S(300), S(200)}}.linearize(camera, view, p_world.cast<S>());
@@ -26,10 +27,16 @@ TEMPLATE_TEST_CASE("world_point: Jacobians of reprojection and inverse depth", "
     const auto iz = [&](const SE3<double>& T, const Vec<double, 3>& X) -> Vec<double, 1> {
       return PointInverseDepth<double>{0.4}.linearize({T, s.T_body_cam}, X).r;
     };
-    REQUIRE(jacobian_error(lin_uv.J_r_pose, [&](const SE3<double>& T) { return uv(T, p_world); }, s.T_world_target) < tolerance);
-    REQUIRE(jacobian_error(lin_uv.J_r_point, [&](const Vec<double, 3>& X) { return uv(s.T_world_target, X); }, p_world) < tolerance);
-    REQUIRE(jacobian_error(lin_z.J_r_pose, [&](const SE3<double>& T) { return iz(T, p_world); }, s.T_world_target) < tolerance);
-    REQUIRE(jacobian_error(lin_z.J_r_point, [&](const Vec<double, 3>& X) { return iz(s.T_world_target, X); }, p_world) < tolerance);
+    REQUIRE(jacobian_error(
+                lin_uv.J_r_pose, [&](const SE3<double>& T) { return uv(T, p_world); }, s.T_world_target) < tolerance);
+    REQUIRE(jacobian_error(
+                lin_uv.J_r_point, [&](const Vec<double, 3>& X) { return uv(s.T_world_target, X); }, p_world) <
+            tolerance);
+    REQUIRE(jacobian_error(
+                lin_z.J_r_pose, [&](const SE3<double>& T) { return iz(T, p_world); }, s.T_world_target) < tolerance);
+    REQUIRE(jacobian_error(
+                lin_z.J_r_point, [&](const Vec<double, 3>& X) { return iz(s.T_world_target, X); }, p_world) <
+            tolerance);
   }
 }
 

@@ -98,8 +98,8 @@ class WindowBackend {
     }
   }
 
-  /// The keyframe whose view the others replace best: far from the newest, near to the others, distances in units of the
-  /// scene's depth and of the field of view. Never one of the two newest.
+  /// The keyframe whose view the others replace best: far from the newest, near to the others, distances in units of
+  /// the scene's depth and of the field of view. Never one of the two newest.
   int most_redundant(S mean_depth) const {
     const int newest = window_.newest();
     int second = -1, worst = -1;
@@ -147,7 +147,8 @@ class WindowBackend {
     double linearize() {
       self.views_.linearize(self.window_, T_body_cam);
       double cost = self.prior_cost();
-      self.for_each(features, [&](auto& map, auto& terms) { cost += terms.linearize(rig, map, self.window_, self.views_); });
+      self.for_each(features,
+                    [&](auto& map, auto& terms) { cost += terms.linearize(rig, map, self.window_, self.views_); });
       return cost;
     }
 
@@ -166,7 +167,8 @@ class WindowBackend {
     double try_step() {
       self.backup_ = self.window_;
       for (int k = 0; k < K; ++k) {
-        if (self.window_[k].used) self.window_.pose(k).add(self.step_.template segment<6>(k * block_dim).template cast<S>());
+        if (self.window_[k].used)
+          self.window_.pose(k).add(self.step_.template segment<6>(k * block_dim).template cast<S>());
       }
       self.for_each(features, [](auto& map, auto& terms) { terms.step(map); });
       self.views_.update(self.window_, T_body_cam);
@@ -208,7 +210,8 @@ class WindowBackend {
     equations_.add_dense(prior_.J0, prior_.r0, corrections());
     for (int k = 0; k < K; ++k) {
       if (window_[k].used) continue;
-      equations_.add(k, Mat<double, block_dim, block_dim>::Identity().eval(), Vec<double, block_dim>::Zero().eval(), 1.0);
+      equations_.add(k, Mat<double, block_dim, block_dim>::Identity().eval(), Vec<double, block_dim>::Zero().eval(),
+                     1.0);
     }
   }
 

@@ -13,6 +13,7 @@ template <class T, std::size_t Capacity>
 class FixedVector {
  public:
   using value_type = T;
+  FixedVector() {}  // not constexpr: compilers evaluate such a constructor item by item
   static constexpr std::size_t capacity() { return Capacity; }
 
   std::size_t size() const { return size_; }
@@ -65,7 +66,7 @@ class FixedVector {
   const T* end() const { return items_.data() + size_; }
 
  private:
-  std::array<T, Capacity> items_{};
+  std::array<T, Capacity> items_;
   std::size_t size_ = 0;
 };
 

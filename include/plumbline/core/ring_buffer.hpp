@@ -14,6 +14,7 @@ class RingBuffer {
   static_assert(Capacity > 0, "plumbline: a ring buffer needs room for one item");
 
  public:
+  RingBuffer() {}  // not constexpr: compilers evaluate such a constructor item by item
   static constexpr std::size_t capacity() { return Capacity; }
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
@@ -50,7 +51,7 @@ class RingBuffer {
  private:
   std::size_t index(std::size_t i) const { return (first_ + i) % Capacity; }
 
-  std::array<T, Capacity> items_{};
+  std::array<T, Capacity> items_;
   std::size_t first_ = 0;
   std::size_t size_ = 0;
 };

@@ -13,12 +13,12 @@ namespace plumbline {
 template <class S>
 struct Estimate {
   TimeNs t_ns = 0;
-  SE3<S> T_world_body;                                  ///< body = camera where there is no IMU
-  Mat<S, 6, 6> covariance = Mat<S, 6, 6>::Identity();   ///< of [dphi, dp], right increments [rad, m]
+  SE3<S> T_world_body;                                 ///< body = camera where there is no IMU
+  Mat<S, 6, 6> covariance = Mat<S, 6, 6>::Identity();  ///< of [dphi, dp], right increments [rad, m]
   Health health;
-  int tracked = 0;                                      ///< located landmarks that support the pose
+  int tracked = 0;  ///< located landmarks that support the pose
   bool keyframe = false;
-  std::uint32_t resets = 0;                             ///< how often the estimator had to start anew
+  std::uint32_t resets = 0;  ///< how often the estimator had to start anew
 };
 
 }  // namespace plumbline

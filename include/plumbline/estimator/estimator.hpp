@@ -23,6 +23,7 @@
 #include "plumbline/residual/world_point.hpp"
 #include "plumbline/sensor/rig.hpp"
 #include "plumbline/solver/gauss_newton.hpp"
+#include "plumbline/tracking/rotation_alignment.hpp"
 
 namespace plumbline {
 
@@ -34,9 +35,8 @@ struct MotionOptions {
 };
 
 struct KeyframeOptions {
-  double min_tracked_ratio = 0.75;  ///< of the landmarks in sight after the last keyframe
-  double max_motion_px = 40;        ///< mean motion of the landmarks since the last keyframe
-  int min_tracked = 60;             ///< fewer landmarks in sight ask for a keyframe, too
+  double min_tracked_ratio = 0.5;  ///< of the landmarks in sight after the last keyframe
+  double max_motion_px = 80;       ///< mean motion of the landmarks since the last keyframe
 };
 
 template <class Backend, class Maps>
@@ -46,8 +46,10 @@ struct EstimatorOptions {
   PoseRansacOptions ransac;
   typename Backend::Options backend;
   typename Maps::Options features;
-  int min_landmarks = 15;        ///< to start with
-  int max_lost_frames = 10;      ///< tried again against the last good frame before starting anew
+  RotationAlignmentOptions rotation;
+  double max_prediction_s = 0.5;  ///< longer gaps are not bridged by constant velocity
+  int min_landmarks = 15;         ///< to start with
+  int max_lost_frames = 10;       ///< tried again against the last good frame before starting anew
 };
 
 template <class Sensors, class FeatureSet, class BackendPolicy, Clock TimeSource = NoClock>
@@ -68,7 +70,8 @@ class Estimator {
 
   /// Uses one frame; its pixels are not needed after the call. An error leaves the estimator as it was.
   Result<Estimate<S>> add_frame(const Frame& frame) {
-    if (frame.gray.width != rig_.vision.width || frame.gray.height != rig_.vision.height) return Error::wrong_image_size;
+    if (frame.gray.width != rig_.vision.width || frame.gray.height != rig_.vision.height)
+      return Error::wrong_image_size;
     if constexpr (Sensors::has_depth) {
       const auto& depth = frame.depth;
       if (!depth.empty() && (depth.width != frame.gray.width || depth.height != frame.gray.height)) {
@@ -84,8 +87,7 @@ class Estimator {
     if (!started_) {
       start(view, frame.t_ns);
     } else {
-      const SE3<S> T_predicted = predict(frame.t_ns);
-      track(view, T_predicted);
+      track(view, predict(view, frame.t_ns));
       timing_.track = TimeSource::now() - begin;
       const bool tracked = estimate(view, frame.t_ns);
       const double before_map = TimeSource::now();
@@ -105,11 +107,26 @@ class Estimator {
   const Sensors& rig() const { return rig_; }
 
  private:
-  /// Constant velocity.
-  SE3<S> predict(TimeNs t_ns) const {
+  static constexpr std::size_t thumbnail_pixels = decltype(Sensors::vision)::max_pixels >>
+                                                  (2 * RigPyramid<Sensors>::levels);
+
+  /// Constant velocity, its rotation replaced by what the images say where they say it clearly.
+  SE3<S> predict(const View<Sensors>& view, TimeNs t_ns) {
     const S dt = S(seconds_between(estimate_.t_ns, t_ns));
-    if (lost_frames_ > 0 || !(dt < S(0.5))) return estimate_.T_world_body;
-    return plus(estimate_.T_world_body, Vec<S, 6>(velocity_ * dt));
+    SE3<S> T = T_good_;
+    if (lost_frames_ == 0 && dt < S(options_.max_prediction_s)) T = plus(T, Vec<S, 6>(velocity_ * dt));
+    const SO3<S> R_world_cam = (T_good_ * view.T_body_cam).rotation();
+    const SO3<S> R_cur_prev = (T * view.T_body_cam).rotation().inverse() * R_world_cam;
+    const auto& camera = rig_.vision.camera;
+    thumbnail_.build(view.previous);
+    rotation_.set_previous(camera, thumbnail_);
+    thumbnail_.build(view.current);
+    RotationAlignment<S> best = rotation_.align(camera, thumbnail_, R_cur_prev, options_.rotation);
+    const RotationAlignment<S> still = rotation_.align(camera, thumbnail_, SO3<S>(), options_.rotation);
+    if (still.valid && (!best.valid || still.cost < best.cost)) best = still;
+    if (!best.valid) return T;
+    const SO3<S> R_body_cam = view.T_body_cam.rotation();
+    return SE3<S>(R_world_cam * best.R_cur_prev.inverse() * R_body_cam.inverse(), T.p());
   }
 
   /// Follows all features and finds the rigid motion that most of them agree on.
@@ -145,7 +162,7 @@ class Estimator {
     for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
       const BodyView<S> body(T, view.T_body_cam);
       system.reset();
-      for_each_motion([&](auto& map, auto& terms) { terms.accumulate(rig_, map, body, system); });
+      for_each_motion([&](auto&, auto& terms) { terms.accumulate(rig_, body, system); });
       Vec<S, 6> d;
       if (!system.solve(d)) return false;
       T = plus(T, d);
@@ -159,8 +176,7 @@ class Estimator {
 
   bool needs_keyframe() const {
     const KeyframeOptions& options = options_.keyframe;
-    const int tracked = estimate_.tracked;
-    if (tracked < options.min_tracked || tracked < options.min_tracked_ratio * tracked_at_keyframe_) return true;
+    if (estimate_.tracked < options.min_tracked_ratio * tracked_at_keyframe_) return true;
     const int newest = backend_.window().newest();
     double motion_px = 0;
     int count = 0;
@@ -208,7 +224,8 @@ class Estimator {
     started_ = tracked_count() >= options_.min_landmarks;
     estimate_.t_ns = t_ns;
     if (!started_) {
-      estimate_.health = {estimate_.resets > 0 ? HealthState::lost : HealthState::initializing, HealthReason::few_features};
+      estimate_.health = {estimate_.resets > 0 ? HealthState::lost : HealthState::initializing,
+                          HealthReason::few_features};
       return;
     }
     velocity_.setZero();
@@ -244,12 +261,15 @@ class Estimator {
   template <class Map>
   using MotionTermsOf = typename Map::MotionTerms;
   void for_each_motion(auto&& visit) {
-    features_.for_each([&](auto& map) { visit(map, std::get<MotionTermsOf<std::remove_cvref_t<decltype(map)>>>(motion_terms_)); });
+    features_.for_each(
+        [&](auto& map) { visit(map, std::get<MotionTermsOf<std::remove_cvref_t<decltype(map)>>>(motion_terms_)); });
   }
 
   Sensors rig_;
   Options options_;
   std::array<RigPyramid<Sensors>, 2> pyramids_;
+  Thumbnail<thumbnail_pixels> thumbnail_;
+  RotationAligner<typename Sensors::Camera, thumbnail_pixels> rotation_;
   int last_ = 0;  ///< pyramid of the last frame that was tracked
   Maps features_;
   typename Maps::template TupleOf<MotionTermsOf> motion_terms_;

@@ -14,10 +14,10 @@ enum class HealthState : std::uint8_t {
 
 enum class HealthReason : std::uint8_t {
   none,
-  few_features,       ///< the images show little that can be tracked
-  few_inliers,        ///< most of what is tracked does not fit one rigid motion
-  no_depth,           ///< the depth image has no measurement where the features are
-  unconstrained,      ///< the features seen do not determine the pose
+  few_features,   ///< the images show little that can be tracked
+  few_inliers,    ///< most of what is tracked does not fit one rigid motion
+  no_depth,       ///< the depth image has no measurement where the features are
+  unconstrained,  ///< the features seen do not determine the pose
 };
 
 struct Health {

@@ -23,12 +23,14 @@
 namespace plumbline {
 
 struct PointOptions {
-  double sigma_px = 0.6;               ///< of an aligned observation
-  double sigma_flow_px = 1.0;          ///< of a frame-to-frame observation
-  int target_count = 180;              ///< corners are detected until this many landmarks are in sight
-  int max_misses = 8;                  ///< frames in a row that look for a landmark in vain before it is forgotten
-  int max_searches = 60;               ///< landmarks out of track that one frame looks for
-  float max_drift_px = 2.0f;           ///< flow and alignment with the anchor may differ by this much
+  double sigma_px = 0.5;        ///< of an aligned observation with all the texture one could wish
+  double sigma_intensity = 10;  ///< of a pixel, correlated errors of a whole patch included
+  double sigma_flow_px = 1.0;   ///< of a frame-to-frame observation
+  int target_count = 180;       ///< corners are detected until this many landmarks are in sight
+  int max_misses = 30;          ///< frames in a row that look for a landmark in vain before it is forgotten
+  int min_observations = 3;     ///< keyframes that saw a landmark that is kept although it is out of sight
+  int max_searches = 200;       ///< landmarks out of track that one frame looks for
+  float max_drift_px = 2.0f;    ///< flow and alignment with the anchor may differ by this much
   OpticalFlowOptions flow;
   AlignmentOptions alignment;
   CornerOptions corners;
@@ -106,6 +108,8 @@ class PointMap {
     }
   }
 
+  /// All errors of the frame are `scale` times those expected.
+  void scale_sigma(int index, float scale) { landmarks_[static_cast<std::size_t>(index)].current.L /= scale; }
   void reject_current(int index) { landmarks_[static_cast<std::size_t>(index)].current.valid = false; }
 
   /// Aligns every landmark that the pose puts into the image with its pixels in the anchor: tracked ones are corrected,
@@ -133,9 +137,12 @@ class PointMap {
       alignment.coarse_start = !tracked;
       const Alignment aligned = align_patch(landmark.patch, A, view.current, start, alignment);
       if (tracked) {
-        if (aligned.valid && (aligned.uv - start).norm() < options_.max_drift_px) observe(view, landmark, true, aligned.uv);
-      } else {
-        observe(view, landmark, aligned.valid, aligned.uv);
+        if (!aligned.valid || !((aligned.uv - start).norm() < options_.max_drift_px)) continue;
+      }
+      observe(view, landmark, aligned.valid, aligned.uv);
+      if (aligned.valid) {
+        landmark.current.L =
+            whitening_of(aligned.information_per_intensity, float(options_.sigma_px), float(options_.sigma_intensity));
       }
     }
     if (n > 0) first_search_ = (first_search_ + static_cast<std::size_t>(options_.max_searches)) % n;
@@ -163,8 +170,9 @@ class PointMap {
   void prune() {
     for (std::size_t i = landmarks_.size(); i-- > 0;) {
       const Landmark& landmark = landmarks_[i];
-      const bool lost = !landmark.current.valid;
-      if (lost && (!landmark.located || landmark.misses > options_.max_misses)) landmarks_.swap_remove(i);
+      if (landmark.current.valid) continue;
+      const bool unproven = !landmark.located || landmark.observation_count() < options_.min_observations;
+      if (unproven || landmark.misses > options_.max_misses) landmarks_.swap_remove(i);
     }
   }
 
@@ -214,6 +222,7 @@ class PointMap {
     }
     landmark.misses = 0;
     landmark.current.uv = uv;
+    landmark.current.L = Mat<float, 2, 2>::Identity() / float(options_.sigma_flow_px);
     if constexpr (Sensors::has_depth) landmark.current.depth = view.rig.vision.depth.at(view.depth, uv);
   }
 

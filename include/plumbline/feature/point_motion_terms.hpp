@@ -2,12 +2,15 @@
 /// What the points say about the pose of one frame, their map being given.                 docs/math/point.md
 ///
 /// A landmark's own uncertainty widens its residual along the direction in which it would move the observation:
-///   Sigma_uv = sigma_px^2 I + j j^T,  j = J_uv_lambda sigma_lambda,   Sigma_z = sigma_z^2 + (J_z_lambda sigma_lambda)^2
-///   Sigma_uv^-1/2 = (I - c j j^T / |j|^2) / sigma_px,  c = 1 - sigma_px / sqrt(sigma_px^2 + |j|^2)          (10)
+///   Sigma_uv = (L^T L)^-1 + J_uv_lambda J_uv_lambda^T sigma_lambda^2,  Sigma_z = sigma_z^2 + (J_z_lambda
+///   sigma_lambda)^2 Sigma_uv^-1/2 = (I - c j j^T / |j|^2) L,  j = L J_uv_lambda sigma_lambda,  c = 1 - 1/sqrt(1 +
+///   |j|^2)    (10)
 /// so that landmarks just found from one noisy depth do not outvote those seen for long.
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
@@ -34,18 +37,19 @@ class PointMotionTerms {
       if (!landmark.current.valid || !landmark.located) continue;
       const SE3<S> T_world_cam = window[landmark.anchor].pose.value() * view.T_body_cam;
       const Vec<S, 3> p_cam = landmark.p_anchor_cam();
-      points_.push_back({static_cast<int>(i), T_world_cam * p_cam,
-                         T_world_cam.rotation() * Vec<S, 3>(p_cam * (landmark.sigma_inverse_range / landmark.inverse_range)),
-                         landmark.current});
+      points_.push_back(
+          {static_cast<int>(i), T_world_cam * p_cam,
+           T_world_cam.rotation() * Vec<S, 3>(p_cam * (landmark.sigma_inverse_range / landmark.inverse_range)),
+           landmark.current});
     }
   }
 
   std::size_t size() const { return points_.size(); }
 
   /// Adds the weighted rows at a pose.
-  void accumulate(const Sensors& rig, const Map& map, const BodyView<S>& view, DenseNormalEquations<S, 6>& system) const {
+  void accumulate(const Sensors& rig, const BodyView<S>& view, DenseNormalEquations<S, 6>& system) const {
     for (const Point& point : points_) {
-      const Whitened whitened = whiten(rig, map, view, point);
+      const Whitened whitened = whiten(rig, view, point);
       if (!whitened.valid) continue;
       const S s = whitened.r_uv.squaredNorm();
       system.add(whitened.J_uv, whitened.r_uv, pixel_loss_.weight(s));
@@ -57,15 +61,25 @@ class PointMotionTerms {
     }
   }
 
-  /// Takes observations beyond `chi2` (two degrees of freedom) out of the frame; returns how many stay.
-  int gate(const Sensors& rig, Map& map, const BodyView<S>& view, S chi2) const {
-    int inliers = 0;
+  /// Takes observations beyond `chi2` (two degrees of freedom) out of the frame; returns how many stay. The frame's own
+  /// scale is the median of all errors: blur and rolling shutter make all of them larger, and then all weigh less.
+  int gate(const Sensors& rig, Map& map, const BodyView<S>& view, S chi2) {
+    errors_.clear();
     for (const Point& point : points_) {
-      const Whitened whitened = whiten(rig, map, view, point);
-      if (whitened.valid && whitened.r_uv.squaredNorm() < chi2) {
+      const Whitened whitened = whiten(rig, view, point);
+      errors_.push_back(whitened.valid ? whitened.r_uv.squaredNorm() : std::numeric_limits<S>::infinity());
+    }
+    sorted_ = errors_;
+    const std::size_t middle = sorted_.size() / 2;
+    std::nth_element(sorted_.begin(), sorted_.begin() + middle, sorted_.end());
+    const S scale2 = sorted_.empty() ? S(1) : std::max(S(1), sorted_[middle] / S(1.386));  // median of chi2(2)
+    int inliers = 0;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (errors_[i] < chi2 * scale2) {
         ++inliers;
+        map.scale_sigma(points_[i].index, float(std::sqrt(scale2)));
       } else {
-        map.reject_current(point.index);
+        map.reject_current(points_[i].index);
       }
     }
     return inliers;
@@ -86,18 +100,17 @@ class PointMotionTerms {
     Mat<S, 1, 6> J_z;
   };
 
-  Whitened whiten(const Sensors& rig, const Map& map, const BodyView<S>& view, const Point& point) const {
+  Whitened whiten(const Sensors& rig, const BodyView<S>& view, const Point& point) const {
     Whitened out;
     const auto pixel = PointReprojection<typename Sensors::Camera>{point.seen.uv.template cast<S>()}.linearize(
         rig.vision.camera, view, point.p_world);
     out.valid = pixel.valid;
     if (!out.valid) return out;
-    const S sigma = S(map.options().sigma_px);
-    const Vec<S, 2> j = pixel.J_r_point * point.sigma_world;
+    const Mat<S, 2, 2> L = point.seen.L.template cast<S>();
+    const Vec<S, 2> j = L * (pixel.J_r_point * point.sigma_world);
     const S jj = j.squaredNorm();
-    Mat<S, 2, 2> W = Mat<S, 2, 2>::Identity();
-    if (jj > S(1e-12)) W -= ((S(1) - sigma / std::sqrt(sigma * sigma + jj)) / jj) * j * j.transpose();  // (10)
-    W /= sigma;
+    Mat<S, 2, 2> W = L;
+    if (jj > S(1e-12)) W -= ((S(1) - S(1) / std::sqrt(S(1) + jj)) / jj) * j * (j.transpose() * L);  // (10)
     out.r_uv.noalias() = W * pixel.r;
     out.J_uv.noalias() = W * pixel.J_r_pose;
     out.has_depth = point.seen.depth.valid;
@@ -115,6 +128,7 @@ class PointMotionTerms {
   Huber<S> pixel_loss_{S(2.45)};  ///< sqrt(chi2_95_2dof)
   Huber<S> depth_loss_{S(1.345)};
   FixedVector<Point, Map::Landmarks::capacity()> points_;
+  FixedVector<S, Map::Landmarks::capacity()> errors_, sorted_;
 };
 
 }  // namespace plumbline

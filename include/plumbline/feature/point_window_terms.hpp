@@ -41,7 +41,7 @@ class PointWindowTerms {
     double cost = 0;
     for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
       const Landmark& landmark = map.landmarks()[i];
-      if (takes_part(landmark)) cost += rows_of(rig, map, landmark, window, views, eliminations_[i]).cost;
+      if (takes_part(landmark)) cost += rows_of(rig, landmark, window, views, eliminations_[i]).cost;
     }
     return cost;
   }
@@ -95,15 +95,13 @@ class PointWindowTerms {
           if (seen.depth.valid) sum += depth_loss_.rho(square(anchor_depth_error(landmark) / seen.depth.sigma)) / 2;
           continue;
         }
-        const Vec<S, 3> p =
-            views.current(landmark.anchor, slot).scaled_point(landmark.bearing, landmark.inverse_range);
+        const Vec<S, 3> p = views.current(landmark.anchor, slot).scaled_point(landmark.bearing, landmark.inverse_range);
         const Projection<S> projection = rig.vision.camera.project(p);
         if (!projection.valid) {
           sum += invalid_cost;
           continue;
         }
-        const S sigma = S(map.options().sigma_px);
-        sum += pixel_loss_.rho((projection.uv - seen.uv.template cast<S>()).squaredNorm() / square(sigma)) / 2;
+        sum += pixel_loss_.rho(whitened(seen, projection.uv).squaredNorm()) / 2;
         if (seen.depth.valid) {
           sum += depth_loss_.rho(square((landmark.inverse_range / p.z() - seen.depth.value) / seen.depth.sigma)) / 2;
         }
@@ -117,8 +115,8 @@ class PointWindowTerms {
     for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
       Landmark& landmark = map.landmarks()[i];
       if (!takes_part(landmark)) continue;
-      drop_outliers(rig, map, landmark, views);
-      const S information = rows_of(rig, map, landmark, window, views, eliminations_[i]).information;
+      drop_outliers(rig, landmark, views);
+      const S information = rows_of(rig, landmark, window, views, eliminations_[i]).information;
       if (information > S(0)) landmark.sigma_inverse_range = S(1) / std::sqrt(information);
     }
   }
@@ -129,7 +127,7 @@ class PointWindowTerms {
     for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
       const Landmark& landmark = map.landmarks()[i];
       if (landmark.anchor != slot || !takes_part(landmark)) continue;
-      rows_of(rig, map, landmark, window, views, eliminations_[i]);
+      rows_of(rig, landmark, window, views, eliminations_[i]);
       take(std::as_const(eliminations_[i]));
     }
   }
@@ -144,18 +142,21 @@ class PointWindowTerms {
   };
 
   static S square(S x) { return x * x; }
+  static Vec<S, 2> whitened(const PointObservation<S>& seen, const Vec<S, 2>& uv) {
+    return seen.L.template cast<S>() * (uv - seen.uv.template cast<S>());
+  }
   static S anchor_depth_error(const Landmark& landmark) {
     return landmark.inverse_range / landmark.bearing.z() - landmark.observations[landmark.anchor].depth.value;
   }
 
   /// All rows of one landmark, whitened and weighted; Jacobians at the linearization points, residuals at the current
   /// state.
-  RowsSummary rows_of(const Sensors& rig, const Map& map, const Landmark& landmark, const Window& window,
-                 const Views& views, Elimination& rows) const {
+  RowsSummary rows_of(const Sensors& rig, const Landmark& landmark, const Window& window, const Views& views,
+                      Elimination& rows) const {
     rows.reset();
     RowsSummary sum;
     const int anchor = landmark.anchor;
-    const S lambda = landmark.inverse_range, inverse_sigma_px = S(1) / S(map.options().sigma_px);
+    const S lambda = landmark.inverse_range;
     for (int slot = 0; slot < slots; ++slot) {
       const PointObservation<S>& seen = landmark.observations[slot];
       if (!seen.valid || !window[slot].used) continue;
@@ -177,14 +178,19 @@ class PointWindowTerms {
         sum.cost += invalid_cost;
         continue;
       }
-      pixel.r = projection.uv - reprojection.uv_measured;
-      const S s = pixel.r.squaredNorm() * square(inverse_sigma_px);
+      const Mat<S, 2, 2> L = seen.L.template cast<S>();
+      pixel.r = whitened(seen, projection.uv);
+      pixel.J_r_anchor = L * pixel.J_r_anchor;
+      pixel.J_r_target = L * pixel.J_r_target;
+      pixel.J_r_lambda = L * pixel.J_r_lambda;
+      const S s = pixel.r.squaredNorm();
       sum.cost += pixel_loss_.rho(s) / 2;
-      const S w = std::sqrt(pixel_loss_.weight(s)) * inverse_sigma_px;
+      const S w = std::sqrt(pixel_loss_.weight(s));
       sum.information += square(w) * pixel.J_r_lambda.squaredNorm();
       add(rows, anchor, slot, pixel, w);
       if (!seen.depth.valid) continue;
-      auto depth = InverseDepthMeasurement<S>{seen.depth.value}.linearize(views.linear(anchor, slot), landmark.bearing, lambda);
+      auto depth =
+          InverseDepthMeasurement<S>{seen.depth.value}.linearize(views.linear(anchor, slot), landmark.bearing, lambda);
       if (!depth.valid) continue;
       depth.r(0) = lambda / p.z() - seen.depth.value;
       const S s_z = square(depth.r(0) / seen.depth.sigma);
@@ -202,14 +208,13 @@ class PointWindowTerms {
                             Mat<S, Rows, 1>(w * lin.J_r_lambda), Vec<S, Rows>(w * lin.r));
   }
 
-  void drop_outliers(const Sensors& rig, const Map& map, Landmark& landmark, const Views& views) const {
+  void drop_outliers(const Sensors& rig, Landmark& landmark, const Views& views) const {
     for (int slot = 0; slot < slots; ++slot) {
       PointObservation<S>& seen = landmark.observations[slot];
       if (!seen.valid || slot == landmark.anchor) continue;
       const Vec<S, 3> p = views.current(landmark.anchor, slot).scaled_point(landmark.bearing, landmark.inverse_range);
       const Projection<S> projection = rig.vision.camera.project(p);
-      const S limit = drop_chi2 * square(S(map.options().sigma_px));
-      if (!(projection.valid && (projection.uv - seen.uv.template cast<S>()).squaredNorm() < limit)) seen.valid = false;
+      if (!(projection.valid && whitened(seen, projection.uv).squaredNorm() < drop_chi2)) seen.valid = false;
     }
   }
 

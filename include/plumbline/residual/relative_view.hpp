@@ -1,5 +1,5 @@
 #pragma once
-/// What all landmarks anchored in camera a and seen in camera j share, computed once for each pair.   docs/math/point.md
+/// What all landmarks anchored in camera a and seen in camera j share, computed once for each pair. docs/math/point.md
 ///
 /// An anchored point with unit bearing f and inverse range lambda is, in camera j and scaled by lambda,
 ///   P~ = A R_e f + lambda t,   A = R_cb R_j^T R_a,   t = A p_e + R_cb (R_j^T (p_a - p_j) - p_e)              (1)
@@ -16,7 +16,7 @@ namespace plumbline {
 /// An anchored point as camera j sees it: lambda times its camera coordinates, with derivatives.
 template <class S>
 struct ScaledPoint {
-  Vec<S, 3> P;           ///< P~ = lambda P
+  Vec<S, 3> P;            ///< P~ = lambda P
   Mat<S, 3, 6> J_anchor;  ///< (2)
   Mat<S, 3, 6> J_target;  ///< (3)
 };

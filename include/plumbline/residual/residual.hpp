@@ -1,9 +1,10 @@
 #pragma once
 /// Residuals are data: a type holds one measurement, and one call returns its value and its analytic Jacobians.
 ///
-/// Semantics: r = prediction - measurement, not whitened; each J_r_<block> is the derivative with respect to the block's
-/// increment under lie/plus.hpp; `valid` is false off the domain (point behind the camera), and then nothing else may be
-/// read. A residual never learns who solves it: `linearize` takes the blocks' values, the solver owns the blocks.
+/// Semantics: r = prediction - measurement, not whitened; each J_r_<block> is the derivative with respect to the
+/// block's increment under lie/plus.hpp; `valid` is false off the domain (point behind the camera), and then nothing
+/// else may be read. A residual never learns who solves it: `linearize` takes the blocks' values, the solver owns the
+/// blocks.
 
 #include <concepts>
 
