@@ -72,7 +72,7 @@ Eigen::MatrixXd columns_of_condition(Random& random, int rows, int cols, double 
       right(random_matrix(random, cols, cols));
   Eigen::MatrixXd out = right.householderQ();
   for (int k = 1; k < cols; ++k) out.row(k) *= std::pow(condition, -double(k) / (cols - 1));
-  return left.householderQ() * Eigen::MatrixXd::Identity(rows, cols) * out;
+  return rounded(left.householderQ() * Eigen::MatrixXd::Identity(rows, cols) * out);
 }
 
 /// Landmarks seen from random pairs of poses. Block columns of the poses are NormalDim wide, of which the landmarks see

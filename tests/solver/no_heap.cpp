@@ -18,13 +18,14 @@ int allocations = 0;
 #include "plumbline/solver/normal_equations.hpp"
 #include "plumbline/solver/robust_loss.hpp"
 
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"  // inlined, ours looks like malloc to the compiler
 void* operator new(std::size_t size) {
   allocations += watching ? 1 : 0;
   if (void* memory = std::malloc(size)) return memory;
   throw std::bad_alloc();
 }
-void operator delete(void* memory) noexcept { std::free(memory); }               // NOLINT
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }  // NOLINT
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 using namespace plumbline;
 

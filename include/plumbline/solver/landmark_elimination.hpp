@@ -77,7 +77,8 @@ class LandmarkElimination {
   /// (10). False when the landmark is not determined (and mu is 0), or anything is not finite: leave it out then.
   bool eliminate(S mu) {
     mu_ = Acc(mu);
-    Eigen::Matrix<Acc, MaxRows + LandmarkDim, LandmarkDim> Q;
+    using Columns = Mat<Acc, MaxRows + LandmarkDim, LandmarkDim>;
+    Columns Q = Columns::Zero();  // only n rows are used; compilers cannot see that and warn
     const int n = rows_ + (mu_ > 0 ? LandmarkDim : 0);
     Q.topRows(rows_) = J_l_.topRows(rows_).template cast<Acc>();
     for (int k = 0; k < LandmarkDim; ++k) damping_[k] = damping_scale(Q.col(k).head(rows_).squaredNorm());
@@ -208,7 +209,7 @@ class LandmarkElimination {
   }
 
   /// The first n rows of Q become Q1, and R1_ is set.
-  bool factorize(Eigen::Matrix<Acc, MaxRows + LandmarkDim, LandmarkDim>& Q, int n) {
+  bool factorize(Mat<Acc, MaxRows + LandmarkDim, LandmarkDim>& Q, int n) {
     if (n < LandmarkDim) return false;
     Vec<Acc, LandmarkDim> tau;
     R1_.setZero();
