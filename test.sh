@@ -7,6 +7,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 step() { printf '\n== %s (%d s)\n' "$*" "$SECONDS"; }
 quiet() { "$@" > build/configure.log || { cat build/configure.log; return 1; }; }
 run_tests() { ctest --preset "$1" --parallel "$(nproc)" | tee "build/ctest-$1.log"; }
+export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1  # one cache serves every checkout
 mkdir -p build
 
 step "Packages"

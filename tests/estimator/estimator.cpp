@@ -1,0 +1,160 @@
+// The whole estimator on rendered images: accuracy against exact truth, determinism, bad input, recovery, no heap.
+#include "plumbline/estimator/estimator.hpp"
+
+#include <atomic>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <new>
+
+#include <Eigen/Eigenvalues>
+
+#include "catch.hpp"
+#include "estimator/simulation.hpp"
+#include "plumbline/backend/sliding_window.hpp"
+#include "plumbline/feature/features.hpp"
+#include "plumbline/feature/points.hpp"
+#include "plumbline/sensor/rgbd.hpp"
+
+using namespace plumbline;
+using test::SimulatedRgbd;
+
+namespace {
+std::atomic<long> allocations{0};
+}
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size)) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+
+namespace {
+
+using Sensors = Rig<Rgbd<Pinhole<double>, SimulatedRgbd::width * SimulatedRgbd::height>>;
+using Vio = Estimator<Sensors, Features<Points<250>>, SlidingWindow<6>>;
+
+const SimulatedRgbd& room() {
+  static const SimulatedRgbd simulated(60);
+  return simulated;
+}
+
+Sensors rig() {
+  Sensors out{};
+  out.vision.camera = room().camera;
+  out.vision.width = SimulatedRgbd::width;
+  out.vision.height = SimulatedRgbd::height;
+  return out;
+}
+
+Sensors::Frame frame(int i) {
+  const std::size_t k = std::size_t(i);
+  return {room().t_ns[k], room().frames[k].gray.view(), room().frames[k].depth.view()};
+}
+
+/// Error of the motion since frame 0 [m].
+double error_m(const Estimate<double>& estimate, int i) {
+  const SE3<double> truth = room().T_world_cam[0].inverse() * room().T_world_cam[std::size_t(i)];
+  return (estimate.T_world_body.p() - truth.p()).norm();
+}
+
+}  // namespace
+
+TEST_CASE("estimator: follows a simulated room to centimetres, without heap") {
+  const auto vio = std::make_unique<Vio>(rig());
+  double worst = 0, path = 0;
+  room();
+  for (int i = 0; i < 60; ++i) {
+    const Sensors::Frame input = frame(i);
+    const long before = allocations;
+    const Result<Estimate<double>> estimate = vio->add_frame(input);
+    REQUIRE(allocations == before);
+    REQUIRE(estimate);
+    REQUIRE(estimate->health.state == HealthState::tracking);
+    REQUIRE(estimate->T_world_body.is_finite());
+    worst = std::max(worst, error_m(*estimate, i));
+    if (i > 0) path += (room().T_world_cam[std::size_t(i)].p() - room().T_world_cam[std::size_t(i - 1)].p()).norm();
+  }
+  CAPTURE(path, worst);
+  REQUIRE(path > 0.8);
+  REQUIRE(worst < 0.02);
+}
+
+TEST_CASE("estimator: the same input gives the same output to the last bit") {
+  const auto a = std::make_unique<Vio>(rig()), b = std::make_unique<Vio>(rig());
+  for (int i = 0; i < 25; ++i) {
+    const Result<Estimate<double>> x = a->add_frame(frame(i)), y = b->add_frame(frame(i));
+    REQUIRE(x->T_world_body.p() == y->T_world_body.p());
+    REQUIRE(x->T_world_body.rotation().quaternion().coeffs() == y->T_world_body.rotation().quaternion().coeffs());
+    REQUIRE(x->covariance == y->covariance);
+  }
+}
+
+TEST_CASE("estimator: bad input is named and changes nothing") {
+  const auto vio = std::make_unique<Vio>(rig());
+  REQUIRE(vio->add_frame(frame(0)));
+  REQUIRE(vio->add_frame(frame(1)));
+  REQUIRE(vio->add_frame(frame(1)).error() == Error::late_sample);
+  REQUIRE(vio->add_frame(frame(0)).error() == Error::late_sample);
+  Sensors::Frame wrong = frame(2);
+  wrong.gray.width -= 1;
+  REQUIRE(vio->add_frame(wrong).error() == Error::wrong_image_size);
+  wrong = frame(2);
+  wrong.depth.height -= 1;
+  REQUIRE(vio->add_frame(wrong).error() == Error::wrong_image_size);
+  const Result<Estimate<double>> estimate = vio->add_frame(frame(2));
+  REQUIRE(estimate);
+  REQUIRE(error_m(*estimate, 2) < 0.01);
+}
+
+TEST_CASE("estimator: does not start on a black image, says why, and starts on the next good one") {
+  const auto vio = std::make_unique<Vio>(rig());
+  const testing::Image<std::uint8_t> black(SimulatedRgbd::width, SimulatedRgbd::height);
+  Sensors::Frame dark = frame(0);
+  dark.gray = black.view();
+  const Result<Estimate<double>> none = vio->add_frame(dark);
+  REQUIRE(none->health.state == HealthState::initializing);
+  REQUIRE(none->health.reason == HealthReason::few_features);
+  REQUIRE(vio->add_frame(frame(1))->health.state == HealthState::tracking);
+}
+
+TEST_CASE("estimator: black frames are called lost, and tracking goes on where it was") {
+  const auto vio = std::make_unique<Vio>(rig());
+  const testing::Image<std::uint8_t> black(SimulatedRgbd::width, SimulatedRgbd::height);
+  for (int i = 0; i < 30; ++i) {
+    Sensors::Frame input = frame(i);
+    const bool dark = i >= 10 && i < 15;
+    if (dark) input.gray = black.view();
+    const Result<Estimate<double>> estimate = vio->add_frame(input);
+    REQUIRE(estimate);
+    REQUIRE((estimate->health.state == HealthState::lost) == dark);
+    REQUIRE(estimate->resets == 0);
+    if (!dark) REQUIRE(error_m(*estimate, i) < 0.02);
+  }
+}
+
+TEST_CASE("estimator: a frame without depth is used as one of a gray camera") {
+  const auto vio = std::make_unique<Vio>(rig());
+  for (int i = 0; i < 30; ++i) {
+    Sensors::Frame input = frame(i);
+    if (i % 3 == 1) input.depth = {};
+    const Result<Estimate<double>> estimate = vio->add_frame(input);
+    REQUIRE(estimate);
+    REQUIRE(error_m(*estimate, i) < 0.02);
+  }
+}
+
+TEST_CASE("estimator: the covariance is that of the errors it makes") {
+  const auto vio = std::make_unique<Vio>(rig());
+  for (int i = 0; i < 40; ++i) {
+    const Result<Estimate<double>> estimate = vio->add_frame(frame(i));
+    REQUIRE(estimate->covariance.allFinite());
+    const Eigen::SelfAdjointEigenSolver<Mat<double, 6, 6>> eigen(estimate->covariance);
+    REQUIRE(eigen.eigenvalues().minCoeff() > -1e-12);
+    const double sigma = std::sqrt(estimate->covariance.bottomRightCorner<3, 3>().trace());
+    if (i > 0) REQUIRE(error_m(*estimate, i) < 10 * sigma + 2e-3);
+    REQUIRE(sigma < 0.05);
+  }
+}
