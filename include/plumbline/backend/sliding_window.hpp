@@ -47,6 +47,7 @@ class WindowBackend {
     prior_.J0.template block<3, 3>(3, slot * block_dim + 3).diagonal().setConstant(1 / options_.sigma_first_position);
     prior_.r0.setZero(6);
     window_.pose(slot).fix_linearization_point();
+    build_equations();  // so that a covariance is defined before the first optimization
     return slot;
   }
 
