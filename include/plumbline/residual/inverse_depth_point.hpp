@@ -17,14 +17,15 @@
 
 namespace plumbline {
 
-/// Value and Jacobians of a residual between anchor pose, target pose and one landmark column.
-template <class S, int Rows>
+/// Value and Jacobians of a residual between anchor pose, target pose and the landmark's own parameters: the inverse
+/// range lambda of a point, or the four of a line.
+template <class S, int Rows, int LandmarkDim = 1>
 struct AnchoredLinearization {
   bool valid;
   Vec<S, Rows> r;
   Mat<S, Rows, 6> J_r_anchor;
   Mat<S, Rows, 6> J_r_target;
-  Vec<S, Rows> J_r_lambda;
+  Mat<S, Rows, LandmarkDim> J_r_lambda;
 };
 
 template <CameraModel Camera>

@@ -54,6 +54,9 @@ class RelativeView {
   const Vec<S, 3>& t_target_anchor() const { return t_; }
   /// Rotation from the anchor camera to the target camera.
   const Mat<S, 3, 3>& R_target_anchor() const { return AR_e_; }
+  /// The extrinsics that both views share.
+  const Mat<S, 3, 3>& R_body_cam() const { return R_e_; }
+  const Vec<S, 3>& p_body_cam() const { return p_e_; }
 
  private:
   Mat<S, 3, 3> R_e_, A_, AR_e_;

@@ -1,0 +1,89 @@
+#pragma once
+/// A line anchored in one camera and measured, by its endpoints or their depth, in another one. docs/math/line.md
+///
+///   (n_j, v_j) = (R n_a + t x R v_a, R v_a),   (R, t) = T_cam_j_cam_a,  (n_a, v_a) of the landmark            (13)
+///   J_r_target = (12) in camera j                                                                   2x6
+///   J_r_anchor = -(12) in camera a with H_n = J_r_n R, H_v = (J_r_n [t]x + J_r_v) R                 2x6       (14)
+///   J_r_line   = [H_n, H_v] d(n_a; v_a)/d theta                                                     2x4       (15)
+/// Only the relative pose enters: there are no world-size moments to cancel.
+
+#include <concepts>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/geometry/line3.hpp"
+#include "plumbline/residual/inverse_depth_point.hpp"
+#include "plumbline/residual/line_observation.hpp"
+#include "plumbline/residual/relative_view.hpp"
+#include "plumbline/residual/residual.hpp"
+
+namespace plumbline {
+
+/// The line of the anchor camera in the target camera.                                                          (13)
+template <class S>
+Plucker<S> line_in_target(const RelativeView<S>& view, const Plucker<S>& line_anchor) {
+  const Vec<S, 3> v = view.R_target_anchor() * line_anchor.v;
+  return {view.R_target_anchor() * line_anchor.n + view.t_target_anchor().cross(v), v};
+}
+
+/// The measurement is LineReprojection or LineInverseDepth.
+template <class Measurement>
+struct AnchoredLine {
+  using Scalar = typename Measurement::Scalar;
+  using S = Scalar;
+  static constexpr int dim = Measurement::dim;
+  using Linearized = AnchoredLinearization<S, dim, 4>;
+  /// In the anchor itself the poses do not matter.
+  struct AnchorLinearized {
+    bool valid;
+    Vec<S, dim> r;
+    Mat<S, dim, 4> J_r_line;
+  };
+
+  Measurement measurement;
+
+  /// `line` in the anchor camera; the target camera is the one that measured.
+  Linearized linearize(const RelativeView<S>& view, const Line3<S>& line) const {
+    const Plucker<S> in_anchor = line.plucker(), in_target = line_in_target(view, in_anchor);
+    const CameraLineLinearization<S, dim> lin = measurement.linearize(in_target);
+    Linearized out;
+    out.valid = lin.valid;
+    if (!out.valid) return out;
+    const Mat<S, 3, 3> R_cam_body = view.R_body_cam().transpose();
+    const Mat<S, dim, 3> tilted = lin.J_r_n * hat(view.t_target_anchor()) + lin.J_r_v;
+    CameraLineLinearization<S, dim> by_anchor;  // derivatives by (n_a, v_a)
+    by_anchor.J_r_n.noalias() = lin.J_r_n * view.R_target_anchor();
+    by_anchor.J_r_v.noalias() = tilted * view.R_target_anchor();
+    out.r = lin.r;
+    out.J_r_anchor = -line_pose_jacobian(by_anchor, in_anchor, R_cam_body, view.p_body_cam());  // (14)
+    out.J_r_target = line_pose_jacobian(lin, in_target, R_cam_body, view.p_body_cam());
+    out.J_r_lambda = by_line(by_anchor, line);
+    return out;
+  }
+
+  /// For a measurement of the anchor camera.
+  AnchorLinearized linearize_in_anchor(const Line3<S>& line) const {
+    const CameraLineLinearization<S, dim> lin = measurement.linearize(line.plucker());
+    AnchorLinearized out;
+    out.valid = lin.valid;
+    if (!out.valid) return out;
+    out.r = lin.r;
+    out.J_r_line = by_line(lin, line);
+    return out;
+  }
+
+ private:
+  /// (15)
+  static Mat<S, dim, 4> by_line(const CameraLineLinearization<S, dim>& lin, const Line3<S>& line) {
+    const Mat<S, 6, 4> J = line.plucker_jacobian();
+    return lin.J_r_n * J.template topRows<3>() + lin.J_r_v * J.template bottomRows<3>();
+  }
+};
+
+template <std::floating_point S>
+using AnchoredLineReprojection = AnchoredLine<LineReprojection<S>>;
+template <std::floating_point S>
+using AnchoredLineInverseDepth = AnchoredLine<LineInverseDepth<S>>;
+
+static_assert(Residual<AnchoredLineReprojection<float>> && Residual<AnchoredLineInverseDepth<double>>);
+
+}  // namespace plumbline

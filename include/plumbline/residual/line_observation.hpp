@@ -1,0 +1,145 @@
+#pragma once
+/// What a camera measures of a line, and how it depends on the line's Pluecker coordinates (n, v) in that camera.
+///                                                                                          docs/math/line.md
+///   endpoints      r_i = k_i nh . b_i,  nh = n/|n|                 2x1 [px]                                   (9)
+///                  J_r_n = k_i/|n| (b_i - (nh . b_i) nh)^T         2x3;  J_r_v = 0
+///                  k_i = 1/|J_b^T mh|,  mh = (b_0 x b_1)/|b_0 x b_1|,  J_b = d bearing/d uv     [px/rad]      (10)
+///   inverse depth  r_i = q . m_i - 1/z_i,  q = v x n/|n|^2         2x1 [1/m], m_i = b_i/b_iz                  (11)
+///                  J_r_n = (m_i x v - 2 (q . m_i) n)^T/|n|^2,  J_r_v = (n x m_i)^T/|n|^2        2x3, 2x3
+/// (9) is the distance of the measured endpoints to the projected line, to first order in pixels, for every central
+/// camera: where an endpoint lies ALONG the line is not a measurement. The depth is that of the line at the ray; 1/z is
+/// affine along a segment, so two values hold all that a depth image says.
+///
+/// Not valid where the line passes the camera centre within 2 cm (its image turns into a point) or where what was
+/// observed would be behind the camera.
+
+#include <concepts>
+
+#include "plumbline/camera/camera_model.hpp"
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/geometry/line3.hpp"
+#include "plumbline/residual/residual.hpp"
+
+namespace plumbline {
+
+/// A residual as a function of the line in the observing camera.
+template <class S, int Rows>
+struct CameraLineLinearization {
+  bool valid;
+  Vec<S, Rows> r;
+  Mat<S, Rows, 3> J_r_n;
+  Mat<S, Rows, 3> J_r_v;
+};
+
+/// The line keeps clear of the camera's centre, and lies in front where it was seen; false for NaN.
+template <class S>
+bool line_visible(const Plucker<S>& line, const Vec<S, 3>& bearing) {
+  constexpr S distance_min = S(0.02);  // [m]
+  return line.n.squaredNorm() > distance_min * distance_min * line.v.squaredNorm() &&
+         bearing.dot(line.v.cross(line.n)) > S(0);
+}
+
+/// (9)
+template <std::floating_point S>
+struct LineReprojection {
+  using Scalar = S;
+  static constexpr int dim = 2;
+  using Linearized = CameraLineLinearization<S, dim>;
+
+  Vec<S, 3> bearing_start, bearing_end;  ///< of the measured endpoints, unit
+  Vec<S, 2> px_per_rad;                  ///< (10), of start and end
+
+  Vec<S, 2> residual(const Plucker<S>& line) const {
+    const Vec<S, 3> nh = line.n.normalized();
+    return {px_per_rad[0] * nh.dot(bearing_start), px_per_rad[1] * nh.dot(bearing_end)};
+  }
+
+  Linearized linearize(const Plucker<S>& line) const {
+    Linearized out;
+    out.valid = line_visible<S>(line, bearing_start + bearing_end);
+    if (!out.valid) return out;
+    const S inverse_norm = S(1) / line.n.norm();
+    const Vec<S, 3> nh = line.n * inverse_norm;
+    const S e_start = nh.dot(bearing_start), e_end = nh.dot(bearing_end);
+    out.r << px_per_rad[0] * e_start, px_per_rad[1] * e_end;
+    out.J_r_n.row(0) = (px_per_rad[0] * inverse_norm) * (bearing_start - e_start * nh).transpose();
+    out.J_r_n.row(1) = (px_per_rad[1] * inverse_norm) * (bearing_end - e_end * nh).transpose();
+    out.J_r_v.setZero();
+    return out;
+  }
+};
+
+/// A measured segment; `valid` is false where the camera cannot see the pixels, or when they coincide.
+template <class S>
+struct LineObservation {
+  bool valid = false;
+  LineReprojection<S> reprojection;
+};
+
+/// The measurement of the segment between two pixels.
+template <CameraModel Camera>
+LineObservation<typename Camera::Scalar> observe_line(const Camera& camera,
+                                                      const Vec<typename Camera::Scalar, 2>& uv_start,
+                                                      const Vec<typename Camera::Scalar, 2>& uv_end) {
+  using S = typename Camera::Scalar;
+  LineObservation<S> out;
+  const Unprojection<S> start = camera.unproject(uv_start), end = camera.unproject(uv_end);
+  if (!start.valid || !end.valid) return out;
+  const Projection<S> at_start = camera.project(start.bearing), at_end = camera.project(end.bearing);
+  const Vec<S, 3> m = start.bearing.cross(end.bearing);
+  const S m_norm = m.norm();
+  out.valid = at_start.valid && at_end.valid && m_norm > S(0);
+  if (!out.valid) return out;
+  const Vec<S, 3> mh = m / m_norm;
+  out.reprojection.bearing_start = start.bearing;
+  out.reprojection.bearing_end = end.bearing;
+  out.reprojection.px_per_rad << S(1) / (bearing_jacobian(at_start.J_uv_p).transpose() * mh).norm(),
+      S(1) / (bearing_jacobian(at_end.J_uv_p).transpose() * mh).norm();  // (10)
+  return out;
+}
+
+/// (11)
+template <std::floating_point S>
+struct LineInverseDepth {
+  using Scalar = S;
+  static constexpr int dim = 2;
+  using Linearized = CameraLineLinearization<S, dim>;
+
+  Vec<S, 3> m_start, m_end;          ///< rays to the endpoints with z = 1
+  Vec<S, 2> inverse_depth_measured;  ///< 1/z there [1/m]
+
+  Vec<S, 2> residual(const Plucker<S>& line) const {
+    const Vec<S, 3> q = line.facing_plane();
+    return Vec<S, 2>(q.dot(m_start), q.dot(m_end)) - inverse_depth_measured;
+  }
+
+  Linearized linearize(const Plucker<S>& line) const {
+    Linearized out;
+    out.valid = line_visible<S>(line, m_start + m_end);
+    if (!out.valid) return out;
+    const S inverse_square = S(1) / line.n.squaredNorm();
+    const Vec<S, 3> q = line.facing_plane();
+    const Vec<S, 2> predicted(q.dot(m_start), q.dot(m_end));
+    out.r = predicted - inverse_depth_measured;
+    out.J_r_n.row(0) = inverse_square * (m_start.cross(line.v) - 2 * predicted[0] * line.n).transpose();
+    out.J_r_n.row(1) = inverse_square * (m_end.cross(line.v) - 2 * predicted[1] * line.n).transpose();
+    out.J_r_v.row(0) = inverse_square * line.n.cross(m_start).transpose();
+    out.J_r_v.row(1) = inverse_square * line.n.cross(m_end).transpose();
+    return out;
+  }
+};
+
+static_assert(Residual<LineReprojection<float>> && Residual<LineInverseDepth<double>>);
+
+/// Derivative by the pose of the observing body, T_world_body; (n, v) is the line in its camera.               (12)
+///   [J_r_n [n]x + J_r_v [v]x, J_r_n [v]x] [R_e^T, 0; -R_e^T [p_e]x, R_e^T],   T_body_cam = (R_e, p_e)
+template <class S, int Rows>
+Mat<S, Rows, 6> line_pose_jacobian(const CameraLineLinearization<S, Rows>& lin, const Plucker<S>& line,
+                                   const Mat<S, 3, 3>& R_cam_body, const Vec<S, 3>& p_body_cam) {
+  const Mat<S, Rows, 3> J_p = lin.J_r_n * hat(line.v) * R_cam_body;
+  Mat<S, Rows, 6> J;
+  J << (lin.J_r_n * hat(line.n) + lin.J_r_v * hat(line.v)) * R_cam_body - J_p * hat(p_body_cam), J_p;
+  return J;
+}
+
+}  // namespace plumbline
