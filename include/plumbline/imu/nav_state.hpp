@@ -1,0 +1,60 @@
+#pragma once
+/// The inertial state of the body at one time, and its error.                                   docs/math/imu.md
+///
+///   x = (T_world_body, v, b_g, b_a),   error (15) = [dphi, dp, dv, dbg, dba]                                 (1)
+/// One order for state, residual, covariance and information. Pose increments are those of lie/plus.hpp, the rest is
+/// additive.
+
+#include <concepts>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/lie/plus.hpp"
+#include "plumbline/lie/se3.hpp"
+
+namespace plumbline {
+
+template <std::floating_point S>
+struct NavState {
+  static constexpr int dof = 15;
+  enum Offset : int { rotation = 0, position = 3, velocity = 6, gyro_bias = 9, accel_bias = 12 };  ///< within (1)
+
+  SE3<S> T_world_body;
+  Vec<S, 3> v_world_body = Vec<S, 3>::Zero();  ///< [m/s]
+  Vec<S, 3> bias_gyro = Vec<S, 3>::Zero();     ///< [rad/s]
+  Vec<S, 3> bias_accel = Vec<S, 3>::Zero();    ///< [m/s^2]
+
+  bool is_finite() const {
+    return T_world_body.is_finite() && v_world_body.allFinite() && bias_gyro.allFinite() && bias_accel.allFinite();
+  }
+
+  template <std::floating_point Other>
+  NavState<Other> cast() const {
+    return {T_world_body.template cast<Other>(), v_world_body.template cast<Other>(), bias_gyro.template cast<Other>(),
+            bias_accel.template cast<Other>()};
+  }
+};
+
+template <class S>
+NavState<S> plus(const NavState<S>& x, const Vec<S, 15>& d) {
+  return {plus(x.T_world_body, Vec<S, 6>(d.template head<6>())), x.v_world_body + d.template segment<3>(6),
+          x.bias_gyro + d.template segment<3>(9), x.bias_accel + d.template segment<3>(12)};
+}
+
+/// plus(x0, minus(x1, x0)) = x1.
+template <class S>
+Vec<S, 15> minus(const NavState<S>& x1, const NavState<S>& x0) {
+  Vec<S, 15> d;
+  d << minus(x1.T_world_body, x0.T_world_body), x1.v_world_body - x0.v_world_body, x1.bias_gyro - x0.bias_gyro,
+      x1.bias_accel - x0.bias_accel;
+  return d;
+}
+
+/// d minus(x, x0) / dx, 15x15.
+template <class S>
+Mat<S, 15, 15> minus_jacobian(const NavState<S>& x, const NavState<S>& x0) {
+  Mat<S, 15, 15> J = Mat<S, 15, 15>::Identity();
+  J.template topLeftCorner<6, 6>() = minus_jacobian(x.T_world_body, x0.T_world_body);
+  return J;
+}
+
+}  // namespace plumbline
