@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "plumbline/imu/interval.hpp"
 #include "plumbline/imu/nav_state.hpp"
 #include "plumbline/imu/sample.hpp"
 #include "plumbline/testing/gaussian.hpp"
@@ -39,5 +40,17 @@ class RandomMotion {
   Mat<double, 3, 4> gyro_, accel_;
   Vec<double, 4> phase_;
 };
+
+inline ImuInterval<double> interval_between(const ImuSample& a, const ImuSample& b) {
+  return {seconds_between(a.t_ns, b.t_ns), a.gyro, b.gyro, a.accel, b.accel, 0, 0};
+}
+
+/// Visits the intervals of that motion from one time to another, all of the same length.
+template <class Visit>
+void for_each_interval(const RandomMotion& motion, TimeNs begin_ns, TimeNs end_ns, int count, Visit&& visit) {
+  const TimeNs step = (end_ns - begin_ns) / count;
+  for (int k = 0; k < count; ++k)
+    visit(interval_between(motion.at(begin_ns + k * step), motion.at(begin_ns + (k + 1) * step)));
+}
 
 }  // namespace plumbline::test

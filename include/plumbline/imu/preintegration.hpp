@@ -1,0 +1,77 @@
+#pragma once
+/// An increment that can be integrated again about other biases: it keeps its readings.         docs/math/imu.md
+///
+/// Room is bounded. When it is full, neighbouring intervals are merged two by two (interval.hpp (2)): the increment
+/// stays as it is, and a later re-integration takes steps twice as long. 128 intervals are 0.64 s at 200 Hz, then 1.28
+/// s in steps of 10 ms, and so on.
+
+#include <concepts>
+#include <cstddef>
+
+#include "plumbline/core/assert.hpp"
+#include "plumbline/core/fixed_vector.hpp"
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/imu/increment.hpp"
+#include "plumbline/imu/interval.hpp"
+#include "plumbline/imu/noise.hpp"
+
+namespace plumbline {
+
+template <std::floating_point S, std::size_t Capacity = 128>
+class Preintegration {
+  static_assert(Capacity >= 2 && Capacity % 2 == 0, "plumbline: intervals are merged in pairs");
+
+ public:
+  using Scalar = S;
+  using Intervals = FixedVector<ImuInterval<S>, Capacity>;
+
+  Preintegration() = default;
+  explicit Preintegration(const ImuNoise& noise, const Vec<S, 3>& bias_gyro = Vec<S, 3>::Zero(),
+                          const Vec<S, 3>& bias_accel = Vec<S, 3>::Zero())
+      : noise_(noise), increment_(bias_gyro, bias_accel) {}
+
+  /// The next interval; one without duration (or NaN) is refused.
+  bool add(const ImuInterval<S>& interval) {
+    if (!(interval.dt > S(0))) return false;
+    increment_.integrate(interval, noise_);
+    if (intervals_.full()) merge_pairs();
+    return intervals_.push_back(interval);
+  }
+
+  /// Continues with what comes right after, as when the state between the two is given up.
+  void append(const Preintegration& next) {
+    for (const ImuInterval<S>& interval : next.intervals_) add(interval);
+  }
+
+  /// About other biases.
+  void reintegrate(const Vec<S, 3>& bias_gyro, const Vec<S, 3>& bias_accel) {
+    increment_ = ImuIncrement<S>(bias_gyro, bias_accel);
+    for (const ImuInterval<S>& interval : intervals_) increment_.integrate(interval, noise_);
+  }
+
+  /// Whether the first-order correction to that gyroscope bias is too coarse: more than 0.01 rad, or a second-order
+  /// error of the velocity above a tenth of its sigma. The accelerometer bias is corrected exactly.
+  bool is_far(const Vec<S, 3>& bias_gyro) const {
+    const Vec<S, 3> d = bias_gyro - increment_.bias_gyro;
+    const S angle = d.norm() * increment_.duration, variance = increment_.covariance(6, 6);
+    const S velocity = (increment_.J_v_g() * d).norm() * angle;
+    return !(angle <= S(0.01)) || velocity * velocity > S(0.01) * variance;
+  }
+
+  const ImuIncrement<S>& increment() const { return increment_; }
+  const Intervals& intervals() const { return intervals_; }
+  const ImuNoise& noise() const { return noise_; }
+  bool empty() const { return intervals_.empty(); }
+
+ private:
+  void merge_pairs() {
+    for (std::size_t i = 0; i < Capacity / 2; ++i) intervals_[i] = merged(intervals_[2 * i], intervals_[2 * i + 1]);
+    intervals_.resize(Capacity / 2);
+  }
+
+  ImuNoise noise_;
+  ImuIncrement<S> increment_;
+  Intervals intervals_;
+};
+
+}  // namespace plumbline
