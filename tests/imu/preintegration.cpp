@@ -62,19 +62,19 @@ TEMPLATE_TEST_CASE("preintegration: when full, twice the step and the same motio
   testing::Gaussian normal(3);
   for (int i = 0; i < 10; ++i) {
     const test::RandomMotion motion(normal);
-    Preintegration<S, 64> small = preintegrated<S, 64>(motion, 0, one_second);
+    Preintegration<S, 128> small = preintegrated<S, 128>(motion, 0, one_second);
     const Preintegration<S, 256> large = preintegrated<S>(motion, 0, one_second);
     require_equal(small.increment(), large.increment(), 1e-15);  // not touched by the merging
-    REQUIRE((small.intervals().size() >= 32 && small.intervals().size() < 64));
+    REQUIRE((small.intervals().size() >= 64 && small.intervals().size() <= 128));
     S duration = 0;
     for (const ImuInterval<S>& interval : small.intervals()) duration += interval.dt;
     REQUIRE(duration == Approx(1).epsilon(1e-5));
-    small.reintegrate(Vec<S, 3>::Zero(), Vec<S, 3>::Zero());  // in steps of 5 to 40 ms, of 8 m/s^2 at 3 Hz
+    small.reintegrate(Vec<S, 3>::Zero(), Vec<S, 3>::Zero());  // in steps of up to 20 ms, of 8 m/s^2 at 3 Hz
     REQUIRE(minus(small.increment().delta.dR, large.increment().delta.dR).norm() < S(5e-4));
     REQUIRE((small.increment().delta.dv - large.increment().delta.dv).norm() < S(3e-2));
     REQUIRE((small.increment().delta.dp - large.increment().delta.dp).norm() < S(5e-2));
     const double sigma_ratio = double(small.increment().covariance(6, 6)) / double(large.increment().covariance(6, 6));
-    REQUIRE(sigma_ratio == Approx(1).epsilon(0.02));
+    REQUIRE(sigma_ratio == Approx(1).epsilon(0.1));
   }
 }
 

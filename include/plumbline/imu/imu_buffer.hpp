@@ -1,0 +1,198 @@
+#pragma once
+/// The newest inertial samples, and what they say about the time between two images.           docs/math/imu.md
+///
+/// What arrives:
+///   not finite                          refused (Error::not_finite)
+///   repeated or late time stamp         refused (Error::late_sample): not after the newest sample
+///   a jump of more than `max_jump_s`    the clock was set, forward or back: the buffer starts anew with this sample
+///   beyond full scale                   clipped to it, marked saturated
+///   the same six numbers over and over  marked frozen from `frozen_samples` repetitions on
+///   buffer full                         the oldest sample is forgotten
+/// What is given out covers the time asked for without a hole: linear between samples, the nearest sample held before
+/// the first and after the last one. Where readings are missing, held, frozen or saturated, the intervals say by how
+/// much the truth may differ (gyro_sigma, accel_sigma), so that the covariance of the increment grows:
+///   sigma = rate of change * time without a live reading/2,  or a quarter of full scale                      (8)
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "plumbline/core/assert.hpp"
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/result.hpp"
+#include "plumbline/core/ring_buffer.hpp"
+#include "plumbline/core/time.hpp"
+#include "plumbline/imu/interval.hpp"
+#include "plumbline/imu/sample.hpp"
+
+namespace plumbline {
+
+struct ImuBufferOptions {
+  double gyro_full_scale = 34.9;    ///< [rad/s], 2000 deg/s
+  double accel_full_scale = 156.9;  ///< [m/s^2], 16 g
+  double gap_s = 0.025;             ///< samples further apart are a gap [s]
+  double gyro_rate = 10;            ///< how fast the true readings change: [rad/s^2]
+  double accel_rate = 50;           ///< [m/s^3]
+  double max_jump_s = 1;            ///< [s]
+  int frozen_samples = 25;          ///< sensors with noise do not repeat six numbers
+};
+
+/// How the samples covered the time asked for. Frozen and saturated time may overlap the others.
+struct ImuCoverage {
+  bool valid = false;  ///< there were samples at all, and the time asked for is not empty
+  int intervals = 0;
+  double duration_s = 0;  ///< [s]
+  double gap_s = 0;       ///< interpolated over a gap
+  double held_s = 0;      ///< before the first or after the last sample
+  double frozen_s = 0;
+  double saturated_s = 0;
+
+  /// Part of the time without a live reading.
+  double missing() const { return valid ? std::min(1.0, (gap_s + held_s + frozen_s) / duration_s) : 1; }
+};
+
+/// Counts since the start.
+struct ImuCounts {
+  std::int64_t accepted = 0, not_finite = 0, late = 0, clock_jumps = 0, saturated = 0, frozen = 0;
+};
+
+template <std::size_t Capacity = 512>
+class ImuBuffer {
+ public:
+  /// What was noticed about an accepted sample.
+  struct Accepted {
+    bool saturated = false, frozen = false, clock_jumped = false;
+  };
+
+  ImuBuffer() = default;
+  explicit ImuBuffer(const ImuBufferOptions& options) : options_(options) {}
+
+  Result<Accepted> add(const ImuSample& sample);
+  void clear() { items_.clear(); }
+
+  bool empty() const { return items_.empty(); }
+  std::size_t size() const { return items_.size(); }
+  /// Sample i, 0 is the oldest.
+  const ImuSample& operator[](std::size_t i) const { return items_[i].sample; }
+  /// Whether nothing needs to be held up to that time.
+  bool reaches(TimeNs t_ns) const { return !empty() && items_.back().sample.t_ns >= t_ns; }
+  const ImuCounts& counts() const { return counts_; }
+  const ImuBufferOptions& options() const { return options_; }
+
+  /// The index of the first sample after t, size() if there is none.
+  std::size_t first_after(TimeNs t_ns) const {
+    std::size_t low = 0, high = size();
+    while (low < high) {
+      const std::size_t middle = (low + high) / 2;
+      if (items_[middle].sample.t_ns > t_ns) {
+        high = middle;
+      } else {
+        low = middle + 1;
+      }
+    }
+    return low;
+  }
+
+  /// visit(const ImuInterval<double>&) for each interval from t_begin to t_end, in order of time.
+  template <class Visit>
+  ImuCoverage for_each_interval(TimeNs t_begin_ns, TimeNs t_end_ns, Visit&& visit) const;
+
+ private:
+  struct Item {
+    ImuSample sample;
+    bool saturated;
+    int repeated;    ///< how often these six numbers came before
+    TimeNs live_ns;  ///< when they came first
+  };
+
+  bool frozen(const Item& item) const { return item.repeated >= options_.frozen_samples; }
+
+  ImuBufferOptions options_;
+  RingBuffer<Item, Capacity> items_;
+  ImuCounts counts_;
+};
+
+template <std::size_t Capacity>
+Result<typename ImuBuffer<Capacity>::Accepted> ImuBuffer<Capacity>::add(const ImuSample& sample) {
+  if (!sample.gyro.allFinite() || !sample.accel.allFinite()) {
+    ++counts_.not_finite;
+    return Error::not_finite;
+  }
+  Accepted out;
+  if (!empty()) {
+    const double step_s = (static_cast<double>(sample.t_ns) - static_cast<double>(items_.back().sample.t_ns)) * 1e-9;
+    out.clock_jumped = !(std::abs(step_s) <= options_.max_jump_s);
+    if (!out.clock_jumped && sample.t_ns <= items_.back().sample.t_ns) {
+      ++counts_.late;
+      return Error::late_sample;
+    }
+    if (out.clock_jumped) items_.clear();
+  }
+  const double w = options_.gyro_full_scale, a = options_.accel_full_scale;
+  Item item{sample, sample.gyro.cwiseAbs().maxCoeff() >= w || sample.accel.cwiseAbs().maxCoeff() >= a, 0, sample.t_ns};
+  item.sample.gyro = sample.gyro.cwiseMax(-w).cwiseMin(w);
+  item.sample.accel = sample.accel.cwiseMax(-a).cwiseMin(a);
+  if (!empty() && item.sample.gyro == items_.back().sample.gyro && item.sample.accel == items_.back().sample.accel) {
+    item.repeated = std::min(items_.back().repeated + 1, options_.frozen_samples);
+    item.live_ns = items_.back().live_ns;
+  }
+  out.saturated = item.saturated;
+  out.frozen = frozen(item);
+  items_.push_back(item);
+  ++counts_.accepted;
+  counts_.clock_jumps += out.clock_jumped;
+  counts_.saturated += out.saturated;
+  counts_.frozen += out.frozen;
+  return out;
+}
+
+template <std::size_t Capacity>
+template <class Visit>
+ImuCoverage ImuBuffer<Capacity>::for_each_interval(TimeNs t_begin_ns, TimeNs t_end_ns, Visit&& visit) const {
+  ImuCoverage out;
+  out.valid = !empty() && t_begin_ns < t_end_ns;
+  if (!out.valid) return out;
+  out.duration_s = seconds_between(t_begin_ns, t_end_ns);
+  TimeNs t = t_begin_ns;
+  for (std::size_t next = first_after(t); t < t_end_ns; ++next) {
+    const bool before = next == 0, after = next >= size();
+    const Item &a = items_[before ? 0 : next - 1], &b = items_[after ? size() - 1 : next];
+    const TimeNs end = after ? t_end_ns : std::min(b.sample.t_ns, t_end_ns);
+    const auto reading = [&](TimeNs at, Vec<double, 3> ImuSample::*axis) -> Vec<double, 3> {
+      if (before || after) return a.sample.*axis;
+      const double u = seconds_between(a.sample.t_ns, at) / seconds_between(a.sample.t_ns, b.sample.t_ns);
+      return (1 - u) * (a.sample.*axis) + u * (b.sample.*axis);
+    };
+    ImuInterval<double> interval;
+    interval.dt = seconds_between(t, end);
+    interval.gyro_begin = reading(t, &ImuSample::gyro);
+    interval.gyro_end = reading(end, &ImuSample::gyro);
+    interval.accel_begin = reading(t, &ImuSample::accel);
+    interval.accel_end = reading(end, &ImuSample::accel);
+
+    double blind_s = 0;  // time without a live reading that this interval is part of
+    if (before || after) {
+      blind_s = before ? seconds_between(t, b.sample.t_ns) : seconds_between(a.live_ns, t_end_ns);
+      out.held_s += interval.dt;
+    } else if (frozen(b)) {
+      blind_s = seconds_between(b.live_ns, b.sample.t_ns);
+      out.frozen_s += interval.dt;
+    } else if (const double spacing_s = seconds_between(a.sample.t_ns, b.sample.t_ns); spacing_s > options_.gap_s) {
+      blind_s = spacing_s;
+      out.gap_s += interval.dt;
+    }
+    const bool saturated = a.saturated || b.saturated;
+    if (saturated) out.saturated_s += interval.dt;
+    interval.gyro_sigma =  // (8)
+        std::max(0.5 * options_.gyro_rate * blind_s, saturated ? 0.25 * options_.gyro_full_scale : 0.0);
+    interval.accel_sigma =
+        std::max(0.5 * options_.accel_rate * blind_s, saturated ? 0.25 * options_.accel_full_scale : 0.0);
+    visit(interval);
+    ++out.intervals;
+    t = end;
+  }
+  return out;
+}
+
+}  // namespace plumbline

@@ -1,0 +1,170 @@
+#include "plumbline/imu/imu_buffer.hpp"
+
+#include <limits>
+#include <vector>
+
+#include "catch.hpp"
+#include "imu/random_motion.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+constexpr TimeNs ms = 1'000'000, t0 = 1'400'000'000'000'000'000;
+
+/// Readings that are linear in time: w = (t, 2 t, 0), a = (0, t, 9.81), t in seconds from t0.
+ImuSample linear(TimeNs t_ns) {
+  const double t = seconds_between(t0, t_ns);
+  return {t_ns, {t, 2 * t, 0}, {0, t, 9.81}};
+}
+
+struct Extracted {
+  ImuCoverage coverage;
+  std::vector<ImuInterval<double>> intervals;
+};
+
+template <class Buffer>
+Extracted extract(const Buffer& buffer, TimeNs begin, TimeNs end) {
+  Extracted out;
+  out.coverage =
+      buffer.for_each_interval(begin, end, [&](const ImuInterval<double>& i) { out.intervals.push_back(i); });
+  REQUIRE(out.coverage.intervals == int(out.intervals.size()));
+  double sum = 0;
+  for (const ImuInterval<double>& i : out.intervals) {
+    REQUIRE(i.dt > 0);
+    sum += i.dt;
+  }
+  if (out.coverage.valid) REQUIRE(sum == Approx(seconds_between(begin, end)).epsilon(1e-12));
+  return out;
+}
+
+/// Samples at 0, 5, 10, ... ms but for those in a gap.
+ImuBuffer<64> filled(TimeNs until, TimeNs gap_begin = 0, TimeNs gap_end = 0) {
+  ImuBuffer<64> buffer;
+  for (TimeNs t = 0; t <= until; t += 5 * ms)
+    if (!(t > gap_begin && t < gap_end)) REQUIRE(buffer.add(linear(t0 + t)));
+  return buffer;
+}
+
+}  // namespace
+
+TEST_CASE("imu_buffer: between two times, cut by interpolation at both ends") {
+  const ImuBuffer<64> buffer = filled(100 * ms);
+  const TimeNs begin = t0 + 12 * ms, end = t0 + 28 * ms;
+  const Extracted e = extract(buffer, begin, end);
+  REQUIRE(e.intervals.size() == 4);  // 12 - 15 - 20 - 25 - 28
+  REQUIRE((e.coverage.valid && e.coverage.missing() == 0 && e.coverage.saturated_s == 0));
+  TimeNs t = begin;
+  for (const ImuInterval<double>& i : e.intervals) {
+    REQUIRE((i.gyro_begin - linear(t).gyro).norm() + (i.accel_begin - linear(t).accel).norm() < 1e-12);
+    t += TimeNs(i.dt * 1e9 + 0.5);
+    REQUIRE((i.gyro_end - linear(t).gyro).norm() + (i.accel_end - linear(t).accel).norm() < 1e-12);
+    REQUIRE((i.gyro_sigma == 0 && i.accel_sigma == 0));
+  }
+  REQUIRE(t == end);
+}
+
+TEST_CASE("imu_buffer: exactly at samples, within one interval, consecutive parts") {
+  const ImuBuffer<64> buffer = filled(100 * ms);
+  REQUIRE(extract(buffer, t0 + 10 * ms, t0 + 20 * ms).intervals.size() == 2);
+  REQUIRE(extract(buffer, t0 + 11 * ms, t0 + 13 * ms).intervals.size() == 1);
+  REQUIRE(extract(buffer, t0, t0 + 100 * ms).intervals.size() == 20);
+  REQUIRE(extract(buffer, t0, t0 + 100 * ms).coverage.held_s == 0);
+  REQUIRE((buffer.reaches(t0 + 100 * ms) && !buffer.reaches(t0 + 100 * ms + 1)));
+}
+
+TEST_CASE("imu_buffer: nothing to give") {
+  REQUIRE(!extract(ImuBuffer<8>(), t0, t0 + ms).coverage.valid);
+  REQUIRE(ImuBuffer<8>().for_each_interval(t0, t0 + ms, [](const auto&) {}).missing() == 1);
+  const ImuBuffer<64> buffer = filled(100 * ms);
+  REQUIRE(!extract(buffer, t0 + ms, t0 + ms).coverage.valid);
+  REQUIRE(!extract(buffer, t0 + 2 * ms, t0 + ms).coverage.valid);
+}
+
+TEST_CASE("imu_buffer: refuses NaN, repeats and late samples, and goes on") {
+  ImuBuffer<64> buffer = filled(10 * ms);
+  ImuSample bad = linear(t0 + 15 * ms);
+  bad.accel.y() = std::numeric_limits<double>::quiet_NaN();
+  REQUIRE(buffer.add(bad).error() == Error::not_finite);
+  bad.accel.y() = std::numeric_limits<double>::infinity();
+  REQUIRE(buffer.add(bad).error() == Error::not_finite);
+  REQUIRE(buffer.add(linear(t0 + 10 * ms)).error() == Error::late_sample);
+  REQUIRE(buffer.add(linear(t0 + 7 * ms)).error() == Error::late_sample);
+  REQUIRE(buffer.add(linear(t0 + 15 * ms)));
+  REQUIRE((buffer.counts().accepted == 4 && buffer.counts().late == 2 && buffer.counts().not_finite == 2));
+  REQUIRE(extract(buffer, t0, t0 + 15 * ms).intervals.size() == 3);
+}
+
+TEST_CASE("imu_buffer: a clock that was set starts anew, also after absurd time stamps") {
+  for (const TimeNs jump : {TimeNs(2'000) * ms, -TimeNs(5'000) * ms, std::numeric_limits<TimeNs>::max() - t0,
+                            std::numeric_limits<TimeNs>::min()}) {
+    ImuBuffer<64> buffer = filled(10 * ms);
+    const TimeNs t = t0 + jump;
+    const auto accepted = buffer.add({t, {0, 0, 0}, {0, 0, 9.81}});
+    REQUIRE((accepted && accepted->clock_jumped && buffer.size() == 1));
+    REQUIRE(buffer.add(linear(t0 + 20 * ms))->clock_jumped);  // and back
+    REQUIRE(buffer.add(linear(t0 + 25 * ms)));
+    REQUIRE((buffer.size() == 2 && buffer.counts().clock_jumps == 2));
+  }
+}
+
+TEST_CASE("imu_buffer: interpolates over a gap, and says so") {
+  const ImuBuffer<64> buffer = filled(200 * ms, 50 * ms, 150 * ms);
+  const Extracted e = extract(buffer, t0 + 40 * ms, t0 + 100 * ms);
+  REQUIRE(e.intervals.size() == 3);  // 40 - 45 - 50 - 100
+  REQUIRE((e.intervals[2].gyro_end - linear(t0 + 100 * ms).gyro).norm() < 1e-12);
+  REQUIRE((e.intervals[1].gyro_sigma == 0 && e.intervals[2].gyro_sigma == Approx(10 * 0.1 / 2)));
+  REQUIRE(e.intervals[2].accel_sigma == Approx(50 * 0.1 / 2));
+  REQUIRE((e.coverage.gap_s == Approx(0.05) && e.coverage.missing() == Approx(5.0 / 6)));
+  REQUIRE(extract(filled(200 * ms, 50 * ms, 70 * ms), t0, t0 + 200 * ms).coverage.gap_s == 0);  // 20 ms: no gap
+}
+
+TEST_CASE("imu_buffer: holds the nearest sample outside of its samples") {
+  const ImuBuffer<64> buffer = filled(20 * ms);
+  const Extracted late = extract(buffer, t0 + 15 * ms, t0 + 60 * ms);
+  REQUIRE(late.intervals.size() == 2);
+  REQUIRE(late.intervals[1].gyro_begin == linear(t0 + 20 * ms).gyro);
+  REQUIRE(late.intervals[1].gyro_end == linear(t0 + 20 * ms).gyro);
+  REQUIRE(late.intervals[1].gyro_sigma == Approx(10 * 0.04 / 2));
+  REQUIRE(late.coverage.held_s == Approx(0.04));
+  const Extracted early = extract(buffer, t0 - 30 * ms, t0 + 5 * ms);
+  REQUIRE((early.intervals.size() == 2 && early.intervals[0].gyro_end == linear(t0).gyro));
+  REQUIRE(early.intervals[0].accel_sigma == Approx(50 * 0.03 / 2));
+  REQUIRE(early.coverage.held_s == Approx(0.03));
+  REQUIRE(extract(buffer, t0 - 30 * ms, t0 - 10 * ms).coverage.missing() == 1);
+  REQUIRE(extract(buffer, t0 + 30 * ms, t0 + 40 * ms).intervals[0].gyro_sigma == Approx(10 * 0.02 / 2));
+  REQUIRE(extract(buffer, t0 - 30 * ms, t0 + 40 * ms).intervals.size() == 6);
+}
+
+TEST_CASE("imu_buffer: saturated readings are clipped and doubted") {
+  ImuBuffer<64> buffer({.gyro_full_scale = 4, .accel_full_scale = 80});
+  for (int k = 0; k <= 4; ++k) {
+    ImuSample s = linear(t0 + k * 5 * ms);
+    if (k == 2) s.accel.x() = -1e9;
+    REQUIRE(buffer.add(s)->saturated == (k == 2));
+  }
+  const Extracted e = extract(buffer, t0, t0 + 20 * ms);
+  REQUIRE(e.coverage.saturated_s == Approx(0.01));
+  REQUIRE((e.intervals[1].accel_end.x() == -80 && e.intervals[1].accel_sigma == 20 && e.intervals[1].gyro_sigma == 1));
+  REQUIRE((e.intervals[0].accel_sigma == 0 && e.intervals[3].accel_sigma == 0));
+  REQUIRE(buffer.counts().saturated == 1);
+}
+
+TEST_CASE("imu_buffer: a sensor that repeats itself is frozen until it changes") {
+  ImuBuffer<64> buffer;
+  ImuSample s = linear(t0);
+  for (int k = 0; k < 40; ++k) {
+    s.t_ns = t0 + k * 5 * ms;
+    REQUIRE(buffer.add(s)->frozen == (k >= 25));
+  }
+  const Extracted e = extract(buffer, t0, s.t_ns);
+  REQUIRE(e.coverage.frozen_s == Approx(15 * 0.005));
+  REQUIRE(e.intervals[38].gyro_sigma == Approx(10 * 39 * 0.005 / 2));
+  REQUIRE(!buffer.add(linear(s.t_ns + 5 * ms))->frozen);
+}
+
+TEST_CASE("imu_buffer: forgets the oldest when full") {
+  const ImuBuffer<64> buffer = filled(1000 * ms);
+  REQUIRE((buffer.size() == 64 && buffer[0].t_ns == t0 + (1000 - 63 * 5) * ms));
+  REQUIRE(extract(buffer, t0, t0 + 1000 * ms).coverage.held_s == Approx(1 - 63 * 0.005));
+}
