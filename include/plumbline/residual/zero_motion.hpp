@@ -1,0 +1,65 @@
+#pragma once
+/// What a standstill says: no velocity, and no motion between two poses.                        docs/math/imu.md
+///
+///   r = v                                                        3x1 [m/s],   J_r_v = I                         (11)
+///   r = T_j [-] T_i = [Log(R_i^T R_j); R_i^T (p_j - p_i)]        6x1 [rad, m]                                   (12)
+///   J_r_i = [ -Jr^-1(r_phi) R_j^T R_i  0 ;  [r_p]x  -I ],   J_r_j = blkdiag(Jr^-1(r_phi), R_i^T R_j)
+
+#include <concepts>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/lie/plus.hpp"
+#include "plumbline/lie/se3.hpp"
+#include "plumbline/residual/residual.hpp"
+
+namespace plumbline {
+
+template <std::floating_point S>
+struct ZeroVelocity {
+  using Scalar = S;
+  static constexpr int dim = 3;
+  struct Linearized {
+    bool valid;
+    Vec<S, 3> r;
+    Mat<S, 3, 3> J_r_v;
+  };
+
+  Linearized linearize(const Vec<S, 3>& v_world_body) const {
+    return {v_world_body.allFinite(), v_world_body, Mat<S, 3, 3>::Identity()};  // (11)
+  }
+};
+
+template <std::floating_point S>
+struct ZeroMotion {
+  using Scalar = S;
+  static constexpr int dim = 6;
+  struct Linearized {
+    bool valid;
+    Vec<S, 6> r;
+    Mat<S, 6, 6> J_r_i, J_r_j;
+  };
+
+  Linearized linearize(const SE3<S>& T_world_i, const SE3<S>& T_world_j) const {
+    return linearize(T_world_i, T_world_j, T_world_i, T_world_j);
+  }
+
+  /// Residual at (i, j), Jacobians at the first estimates (i0, j0).
+  Linearized linearize(const SE3<S>& T_world_i, const SE3<S>& T_world_j, const SE3<S>& T_world_i0,
+                       const SE3<S>& T_world_j0) const {
+    Linearized out;
+    out.r = minus(T_world_j, T_world_i);  // (12)
+    out.J_r_j = minus_jacobian(T_world_j0, T_world_i0);
+    out.J_r_i.setZero();
+    out.J_r_i.template topLeftCorner<3, 3>() =
+        -out.J_r_j.template topLeftCorner<3, 3>() * out.J_r_j.template bottomRightCorner<3, 3>().transpose();
+    out.J_r_i.template bottomLeftCorner<3, 3>() =
+        hat(Vec<S, 3>(T_world_i0.rotation().inverse() * Vec<S, 3>(T_world_j0.p() - T_world_i0.p())));
+    out.J_r_i.template bottomRightCorner<3, 3>() = -Mat<S, 3, 3>::Identity();
+    out.valid = out.r.allFinite() && out.J_r_i.allFinite();
+    return out;
+  }
+};
+
+static_assert(Residual<ZeroVelocity<float>> && Residual<ZeroMotion<double>>);
+
+}  // namespace plumbline
