@@ -1,0 +1,172 @@
+#pragma once
+/// Image gradients in 16-bit integers, and chains of pixels along their ridges.             docs/math/line.md
+///
+///   gx = [1 4 6 4 1]^T [-1 -2 0 2 1] * I,  gy its transpose                [intensity/px / 128]               (18)
+///   strength = |gx| + |gy|, or 0 up to the threshold
+/// An edge runs perpendicular to the gradient, the brighter side on a fixed hand: t = (gy, -gx). A chain walks from
+/// pixel to pixel along t (and from its start along -t), to the strongest of the three next ones in the main direction
+/// of t, until the strength is 0 or a pixel was taken before. Every pixel belongs to one chain at most: work is linear.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+
+#include "plumbline/core/assert.hpp"
+#include "plumbline/core/fixed_vector.hpp"
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/image/image_view.hpp"
+
+namespace plumbline {
+
+/// A pixel of a chain.
+struct EdgePixel {
+  std::int16_t x, y;
+};
+
+template <std::size_t MaxPixels>
+class EdgeMap {
+ public:
+  static constexpr float units = 128;  ///< of (18), for one gray level per pixel
+  static constexpr int border = 3;     ///< pixels at the edge of the image that have no strength
+  static constexpr std::size_t max_chain = 4096;
+  using Chain = FixedVector<EdgePixel, max_chain>;
+
+  /// False when the image is empty, has more than MaxPixels pixels or is too small to have an inside.
+  bool compute(const ImageView<const std::uint8_t>& image, int threshold) {
+    width_ = height_ = 0;
+    if (image.empty() || image.width <= 2 * border || image.height <= 2 * border || image.width > 32000 ||
+        image.height > 32000 ||
+        static_cast<std::size_t>(image.width) > MaxPixels / static_cast<std::size_t>(image.height))
+      return false;
+    width_ = image.width;
+    height_ = image.height;
+    for (int y = 0; y < height_; ++y) {
+      if (y < border || y >= height_ - border) {
+        clear(index(0, y), width_);
+        continue;
+      }
+      clear(index(0, y), border);
+      for (int x = border; x < width_ - border; x += block) {
+        compute_block(image, x, y, std::min(block, width_ - border - x), threshold);
+      }
+      clear(index(width_ - border, y), border);
+    }
+    return true;
+  }
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  int index(int x, int y) const { return y * width_ + x; }
+  int gx(int i) const { return gx_[static_cast<std::size_t>(i)]; }
+  int gy(int i) const { return gy_[static_cast<std::size_t>(i)]; }
+  /// 0: below the threshold; negative: taken by a chain.
+  int strength(int i) const { return strength_[static_cast<std::size_t>(i)]; }
+  /// The edge through the pixel is steeper than 45 degrees.
+  bool is_steep(int i) const { return std::abs(gx(i)) >= std::abs(gy(i)); }
+
+  /// Slope along the unit normal at the nearest pixel [intensity/px], 0 where the gradient is more than 22.5 degrees
+  /// off the normal, and outside.
+  float aligned_slope(const Vec<float, 2>& uv, const Vec<float, 2>& normal) const {
+    const int x = static_cast<int>(uv.x() + 0.5f), y = static_cast<int>(uv.y() + 0.5f);
+    if (!(uv.x() >= 0.0f && uv.y() >= 0.0f && x < width_ && y < height_)) return 0;
+    const float u = static_cast<float>(gx(index(x, y))), v = static_cast<float>(gy(index(x, y)));
+    const float across = normal.x() * u + normal.y() * v, along = normal.x() * v - normal.y() * u;
+    constexpr float tan_22_5 = 0.41421356f;
+    return std::abs(along) < tan_22_5 * across ? across / units : 0.0f;
+  }
+
+  /// Calls `take(Chain)` for each chain, started at local maxima of the strength in every `spacing`-th row (steep
+  /// edges) and column (flat ones). A chain that is full ends; what is left of its edge is another chain.
+  void for_each_chain(int spacing, Chain& chain, auto&& take) {
+    for (int y = border; y < height_ - border; ++y) {
+      const int step = y % spacing == 0 ? 1 : spacing;
+      for (int x = border; x < width_ - border; x += step) {
+        const int i = index(x, y), s = strength(i);
+        if (s <= 0) continue;
+        const bool steep = is_steep(i);
+        if (steep ? step != 1 : x % spacing != 0) continue;
+        const int across = steep ? 1 : width_;
+        if (s < std::abs(strength(i - across)) || s <= std::abs(strength(i + across))) continue;
+        chain.clear();
+        walk(i, -1, chain);
+        std::reverse(chain.begin(), chain.end());
+        if (!chain.empty()) chain.pop_back();  // the start, which the other way begins with
+        strength_[static_cast<std::size_t>(i)] = static_cast<std::int16_t>(s);
+        walk(i, 1, chain);
+        take(chain);
+      }
+    }
+  }
+
+  /// Where the strength peaks across the edge near the pixel: the vertex of a parabola.
+  Vec<float, 2> peak(const EdgePixel& pixel) const {
+    const int i = index(pixel.x, pixel.y);
+    const bool steep = is_steep(i);
+    const int across = steep ? 1 : width_;
+    const auto slope = [&](int j) { return std::abs(gx(j)) + std::abs(gy(j)); };
+    const int before = slope(i - across), here = slope(i), after = slope(i + across);
+    const int curvature = 2 * here - before - after;
+    float shift = 0;
+    if (curvature > 0)
+      shift = std::clamp(0.5f * static_cast<float>(after - before) / static_cast<float>(curvature), -1.0f, 1.0f);
+    const Vec<float, 2> centre(pixel.x, pixel.y);
+    return centre + (steep ? Vec<float, 2>(shift, 0) : Vec<float, 2>(0, shift));
+  }
+
+ private:
+  static constexpr int block = 128;
+
+  void clear(int first, int n) {
+    for (auto* values : {&gx_, &gy_, &strength_}) std::fill_n(values->data() + first, n, std::int16_t(0));
+  }
+
+  /// (18) for `n` pixels of row y from x on.
+  void compute_block(const ImageView<const std::uint8_t>& image, int x, int y, int n, int threshold) {
+    std::int16_t smooth[block + 4], slope[block + 4];  // of the columns
+    const std::ptrdiff_t stride = image.stride;
+    const std::uint8_t* const centre = image.data + y * stride + x - 2;
+    for (int k = 0; k < n + 4; ++k) {
+      const std::uint8_t* const p = centre + k;
+      const int a = p[-2 * stride], b = p[-stride], c = p[0], d = p[stride], e = p[2 * stride];
+      smooth[k] = static_cast<std::int16_t>(a + e + 4 * (b + d) + 6 * c);
+      slope[k] = static_cast<std::int16_t>(e - a + 2 * (d - b));
+    }
+    const std::size_t out = static_cast<std::size_t>(index(x, y));
+    std::int16_t *gx = gx_.data() + out, *gy = gy_.data() + out, *strength = strength_.data() + out;
+    for (int k = 0; k < n; ++k) {
+      const std::int16_t u = static_cast<std::int16_t>(smooth[k + 4] - smooth[k] + 2 * (smooth[k + 3] - smooth[k + 1]));
+      const std::int16_t v =
+          static_cast<std::int16_t>(slope[k] + slope[k + 4] + 4 * (slope[k + 1] + slope[k + 3]) + 6 * slope[k + 2]);
+      const std::int16_t s = static_cast<std::int16_t>(std::abs(u) + std::abs(v));
+      gx[k] = u;
+      gy[k] = v;
+      strength[k] = s > threshold ? s : std::int16_t(0);
+    }
+  }
+
+  /// Along t (sign 1) or against it (-1), from pixel i on.
+  void walk(int i, int sign, Chain& chain) {
+    int y = i / width_, x = i - y * width_;
+    while (strength(i) > 0 && chain.push_back({static_cast<std::int16_t>(x), static_cast<std::int16_t>(y)})) {
+      strength_[static_cast<std::size_t>(i)] = static_cast<std::int16_t>(-strength(i));
+      const bool steep = is_steep(i);
+      const int forth = steep ? (gx(i) > 0 ? -sign : sign) : (gy(i) > 0 ? sign : -sign);
+      const int next = i + (steep ? forth * width_ : forth), across = steep ? 1 : width_;
+      const int before = std::abs(strength(next - across)), straight = std::abs(strength(next)),
+                after = std::abs(strength(next + across));
+      // no branches: which of the three is unpredictable
+      const int side = int(after > straight && after > before) - int(before > straight && before >= after);
+      i = next + side * across;
+      x += steep ? side : forth;
+      y += steep ? forth : side;
+    }
+  }
+
+  std::array<std::int16_t, MaxPixels> gx_, gy_, strength_;
+  int width_ = 0, height_ = 0;
+};
+
+}  // namespace plumbline
