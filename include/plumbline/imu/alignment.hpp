@@ -1,0 +1,231 @@
+#pragma once
+/// Initialization in closed form: velocities, gravity, biases and, where vision has none, the scale that make camera
+/// poses and inertial readings agree.                                                  docs/math/initialization.md
+///
+/// In the frame `ref` of the camera poses (R_k of the body, c_k of the camera; e = T_body_cam), unknown V_k, g, s, b_a:
+///   -R_k^T Dt V_k - R_k^T Dt^2/2 g + R_k^T (c_{k+1} - c_k) s - J_p_a b_a = dp_k - p_e + R_k^T R_{k+1} p_e
+///   -R_k^T V_k + R_k^T V_{k+1} - R_k^T Dt g                 - J_v_a b_a = dv_k                                    (7)
+/// 1. the gyroscope bias, (5)
+/// 2. g free, b_a = 0: its length tells whether vision and IMU belong together
+/// 3. |g| = G on its tangent, g^T x = G |g|, b_a with its prior; repeated from the direction found                  (8)
+/// Metric vision has the row s = 1. Rows are whitened by the increment's covariance plus that of the visual poses.
+/// 4. gravity in `ref` gives the world's attitude, (2), without yaw of the first body
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "plumbline/core/assert.hpp"
+#include "plumbline/core/fixed_vector.hpp"
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/imu/alignment_frame.hpp"
+#include "plumbline/imu/gravity.hpp"
+#include "plumbline/imu/gyro_bias.hpp"
+#include "plumbline/imu/increment.hpp"
+#include "plumbline/imu/nav_state.hpp"
+#include "plumbline/imu/velocity_chain.hpp"
+#include "plumbline/lie/se3.hpp"
+
+namespace plumbline {
+
+struct AlignmentOptions {
+  bool metric = false;  ///< translations of the camera poses are in metres
+  double gravity = standard_gravity<double>;
+  double rotation_sigma = 2e-3;   ///< of a camera pose [rad]
+  double position_sigma = 2e-3;   ///< of a camera pose, in units of the poses
+  double accel_bias_sigma = 0.1;  ///< prior [m/s^2]
+  std::size_t min_frames = 5;
+  double max_gyro_residual = 0.02;  ///< [rad]
+  double max_gravity_error = 0.1;   ///< of its length before it is fixed, relative
+  double max_gravity_sigma = 0.05;  ///< [rad]
+  double min_excitation = 0.25;     ///< for an unknown scale [m/s^2]
+  double max_scale_sigma = 0.1;     ///< relative
+};
+
+/// Why there is no result yet: what to wait or to look for.
+enum class AlignmentOutcome : std::uint8_t {
+  aligned,
+  too_few_frames,
+  no_imu_data,            ///< an increment is empty or not finite
+  rotations_disagree,     ///< of vision and gyroscope: wrong poses, extrinsics or time stamps
+  gravity_implausible,    ///< its length: wrong poses, units or extrinsics
+  gravity_uncertain,      ///< its direction
+  too_little_excitation,  ///< the scale shows only in accelerated motion
+  scale_uncertain,        ///< wait for more motion
+};
+
+template <std::floating_point S, int MaxFrames>
+struct Alignment {
+  AlignmentOutcome outcome = AlignmentOutcome::too_few_frames;
+  SO3<S> R_world_ref;
+  S scale = S(1);  ///< metres in one unit of the camera poses
+  Vec<S, 3> bias_gyro = Vec<S, 3>::Zero(), bias_accel = Vec<S, 3>::Zero();
+  FixedVector<Vec<S, 3>, std::size_t(MaxFrames)> v_world_body;  ///< for each frame [m/s]
+  // Figures, as far as it came:
+  double gyro_residual = 0;     ///< rms [rad]
+  double excitation = 0;        ///< rms change of the specific force between frames [m/s^2]
+  double gravity_norm = 0;      ///< before it is fixed [m/s^2]
+  double gravity_sigma = 0;     ///< of its direction [rad]
+  double scale_sigma = 0;       ///< relative
+  double accel_bias_sigma = 0;  ///< largest of the three axes [m/s^2]
+  double chi2 = 0;              ///< for each degree of freedom; the sigmas above are multiplied by its root if > 1
+
+  explicit operator bool() const { return outcome == AlignmentOutcome::aligned; }
+
+  /// State of frame k. The world's origin is that of the camera poses.
+  NavState<S> state(std::size_t k, const SE3<S>& T_ref_cam, const SE3<S>& T_body_cam) const {
+    const SE3<S> T_world_cam(R_world_ref * T_ref_cam.rotation(), R_world_ref * Vec<S, 3>(scale * T_ref_cam.p()));
+    return {T_world_cam * T_body_cam.inverse(), v_world_body[k], bias_gyro, bias_accel};
+  }
+};
+
+namespace detail {
+
+/// Unknowns common to all frames.
+struct AlignmentUnknowns {
+  enum : int { g = 0, s = 3, b_a = 4, count = 7 };
+};
+
+/// RMS deviation of the mean specific forces between frames from their mean, in `ref`.
+template <class P>
+double excitation(std::span<const AlignmentFrame<P>> frames, const SO3<double>& R_cam_body) {
+  Vec<double, 3> mean = Vec<double, 3>::Zero();
+  double squared = 0, n = 0;
+  for (std::size_t k = 1; k < frames.size(); ++k) {
+    const auto& d = frames[k].imu->increment();
+    const SO3<double> R = frames[k - 1].T_ref_cam.rotation().template cast<double>() * R_cam_body;
+    const Vec<double, 3> f = R * Vec<double, 3>(d.delta.dv.template cast<double>() / double(d.duration));
+    const Vec<double, 3> step = f - mean;
+    mean += step / ++n;
+    squared += step.dot(f - mean);
+  }
+  return std::sqrt(squared / n);
+}
+
+/// The rows (7) of one interval, about the increment's own accelerometer bias.
+template <int MaxFrames, class P>
+bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chain, const AlignmentFrame<P>& begin,
+                        const AlignmentFrame<P>& end, const SE3<double>& T_body_cam, double scale,
+                        const AlignmentOptions& options) {
+  using Mat3 = Mat<double, 3, 3>;
+  const auto& d = end.imu->increment();
+  const double t = double(d.duration);
+  const Vec<double, 3> dp = d.delta.dp.template cast<double>(), dv = d.delta.dv.template cast<double>();
+  const SE3<double> T_i = begin.T_ref_cam.template cast<double>(), T_j = end.T_ref_cam.template cast<double>();
+  const Mat3 R_body_cam = T_body_cam.R(), Rt = R_body_cam * T_i.R().transpose(),
+             R_i_j = Rt * T_j.R() * R_body_cam.transpose();
+  const Mat<double, 6, 3> J_a = d.J_delta_bias.template block<6, 3>(3, 3).template cast<double>();
+
+  Mat<double, 6, 3> A_begin, A_end, reaction;
+  Mat<double, 6, AlignmentUnknowns::count> B;
+  Vec<double, 6> c;
+  A_begin << -t * Rt, -Rt;
+  A_end << Mat3::Zero(), Rt;
+  B << -0.5 * t * t * Rt, Rt * (T_j.p() - T_i.p()), -J_a.topRows<3>(), -t * Rt, Vec<double, 3>::Zero(),
+      -J_a.bottomRows<3>();
+  c << dp - T_body_cam.p() + R_i_j * T_body_cam.p(), dv;
+  c -= J_a * d.bias_accel.template cast<double>();
+
+  reaction << hat(dp), hat(dv);  // to a rotation of frame i
+  Mat<double, 6, 6> variance = d.covariance.template block<6, 6>(3, 3).template cast<double>();
+  variance += options.rotation_sigma * options.rotation_sigma * reaction * reaction.transpose();
+  const double position_sigma = scale * options.position_sigma;
+  variance.diagonal().head<3>().array() += 2 * position_sigma * position_sigma;
+  variance.diagonal().array() += 1e-12;
+  const Eigen::LLT<Mat<double, 6, 6>> whiten(variance);
+  whiten.matrixL().solveInPlace(A_begin);
+  whiten.matrixL().solveInPlace(A_end);
+  whiten.matrixL().solveInPlace(B);
+  whiten.matrixL().solveInPlace(c);
+  return chain.add_interval(A_begin, A_end, B, c);
+}
+
+}  // namespace detail
+
+/// At most MaxFrames frames in order of time. Leaves the frames' preintegrations integrated about the biases found.
+template <int MaxFrames, class P>
+Alignment<typename P::Scalar, MaxFrames> align(std::span<const AlignmentFrame<P>> frames,
+                                               const SE3<typename P::Scalar>& T_body_cam,
+                                               const AlignmentOptions& options = {}) {
+  using S = typename P::Scalar;
+  using Unknowns = detail::AlignmentUnknowns;
+  using Row = Mat<double, 1, Unknowns::count>;
+  PLUMBLINE_ASSERT(frames.size() <= std::size_t(MaxFrames));
+  Alignment<S, MaxFrames> out;
+  const auto stop = [&](AlignmentOutcome outcome) {
+    out.outcome = outcome;
+    return out;
+  };
+  constexpr std::size_t solvable = 4;  // fewer have more unknowns than rows
+  if (frames.size() < options.min_frames || frames.size() < solvable) return stop(AlignmentOutcome::too_few_frames);
+  for (std::size_t k = 1; k < frames.size(); ++k) {
+    if (frames[k].imu == nullptr || !(frames[k].imu->increment().duration > S(0)) ||
+        !frames[k].imu->increment().covariance.allFinite())
+      return stop(AlignmentOutcome::no_imu_data);
+  }
+  const SE3<double> T_body_camera = T_body_cam.template cast<double>();
+  const GyroBias gyro = estimate_gyro_bias<P>(frames, T_body_cam.rotation(), options.rotation_sigma);
+  out.gyro_residual = gyro.residual;
+  if (!gyro.valid || !(gyro.residual <= options.max_gyro_residual)) return stop(AlignmentOutcome::rotations_disagree);
+  out.bias_gyro = gyro.bias.template cast<S>();
+  out.excitation = detail::excitation<P>(frames, T_body_camera.rotation().inverse());
+
+  if (!options.metric && !(out.excitation >= options.min_excitation))
+    return stop(AlignmentOutcome::too_little_excitation);
+
+  Vec<double, 3> g = Vec<double, 3>::Zero();
+  double scale = 1;
+  VelocityChain<MaxFrames, Unknowns::count> chain;
+  constexpr int rounds = 6;
+  constexpr double pinned = 1e6, on_sphere = 1e4;  // weights: 1/sigma
+  for (int round = 0; round < rounds; ++round) {
+    const bool free = round == 0;
+    chain.clear();
+    if (options.metric) chain.add_common_row(pinned * Row::Unit(Unknowns::s), pinned);
+    const double bias_weight = free ? pinned : 1 / options.accel_bias_sigma;
+    for (int i = 0; i < 3; ++i) chain.add_common_row(bias_weight * Row::Unit(Unknowns::b_a + i), 0);
+    if (!free) {  // (8)
+      Row row = Row::Zero();
+      row.template head<3>() = on_sphere * g.normalized().transpose();
+      chain.add_common_row(row, on_sphere * options.gravity);
+    }
+    for (std::size_t k = 1; k < frames.size(); ++k)
+      detail::add_alignment_rows(chain, frames[k - 1], frames[k], T_body_camera, scale, options);
+    if (!chain.solve()) return stop(free ? AlignmentOutcome::too_little_excitation : AlignmentOutcome::scale_uncertain);
+    g = chain.common().template head<3>();
+    scale = std::abs(chain.common()[Unknowns::s]);
+    if (!free) continue;
+    out.gravity_norm = g.norm();
+    if (!(std::abs(out.gravity_norm - options.gravity) <= options.max_gravity_error * options.gravity))
+      return stop(AlignmentOutcome::gravity_implausible);
+  }
+
+  // Degrees of freedom: 6 rows an interval, those of (8), b_a and metric; less velocities and common unknowns.
+  const double freedom = 6 * double(frames.size() - 1) + (options.metric ? 5 : 4) - 3 * double(frames.size()) - 7;
+  out.chi2 = chain.cost() / freedom;
+  const Mat<double, 7, 7> covariance = std::max(1.0, out.chi2) * chain.covariance();
+  out.gravity_sigma = std::sqrt(covariance.topLeftCorner<3, 3>().trace()) / options.gravity;
+  out.scale_sigma = std::sqrt(covariance(Unknowns::s, Unknowns::s)) / scale;
+  out.accel_bias_sigma = std::sqrt(covariance.bottomRightCorner<3, 3>().diagonal().maxCoeff());
+
+  const SO3<double> R_ref_body =
+      frames[0].T_ref_cam.rotation().template cast<double>() * T_body_camera.rotation().inverse();
+  const SO3<double> R_world_ref = upright<double>(R_ref_body.inverse() * g) * R_ref_body.inverse();
+  out.R_world_ref = R_world_ref.template cast<S>();
+  out.scale = S(scale);
+  out.bias_accel = chain.common().template tail<3>().template cast<S>();
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    out.v_world_body.push_back((R_world_ref * chain.velocity(int(k))).template cast<S>());
+  for (std::size_t k = 1; k < frames.size(); ++k) frames[k].imu->reintegrate(out.bias_gyro, out.bias_accel);
+
+  if (!(out.gravity_sigma <= options.max_gravity_sigma)) return stop(AlignmentOutcome::gravity_uncertain);
+  if (options.metric) return stop(AlignmentOutcome::aligned);
+  if (!(chain.common()[Unknowns::s] > 0) || !(out.scale_sigma <= options.max_scale_sigma))
+    return stop(AlignmentOutcome::scale_uncertain);
+  return stop(AlignmentOutcome::aligned);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,64 @@
+#pragma once
+/// The gyroscope bias that makes the IMU turn like the camera.                        docs/math/initialization.md
+///
+///   e_k = Log(dR_k^T R_k^T R_{k+1}),   R_k = R_ref_body = R_ref_cam R_body_cam^T
+///   (sum J^T W J) db = sum J^T W e_k,   J = J_R_g,  W = (S_phi + 2 sigma^2 I)^-1                                  (5)
+/// Three rounds, integrating again in between.
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/imu/alignment_frame.hpp"
+#include "plumbline/imu/increment.hpp"
+#include "plumbline/lie/so3.hpp"
+
+namespace plumbline {
+
+struct GyroBias {
+  bool valid = false;                            ///< enough readings, all finite
+  Vec<double, 3> bias = Vec<double, 3>::Zero();  ///< [rad/s]
+  double residual = 0;                           ///< rms rotation between vision and IMU, for each pair of frames [rad]
+};
+
+/// (5). Leaves the frames' preintegrations integrated about the result; sigma is vision's for a rotation [rad].
+template <class P>
+GyroBias estimate_gyro_bias(std::span<const AlignmentFrame<P>> frames, const SO3<typename P::Scalar>& R_body_cam,
+                            double rotation_sigma) {
+  using S = typename P::Scalar;
+  GyroBias out;
+  if (frames.size() < 2) return out;
+  const SO3<double> R_cam_body = R_body_cam.inverse().template cast<double>();
+  constexpr int rounds = 3;
+  for (int round = 0; round <= rounds; ++round) {  // the last one for the residual
+    Mat<double, 3, 3> H = Mat<double, 3, 3>::Zero();
+    Vec<double, 3> b = Vec<double, 3>::Zero();
+    double squared = 0;
+    for (std::size_t k = 1; k < frames.size(); ++k) {
+      const ImuIncrement<S>& d = frames[k].imu->increment();
+      const SO3<double> R_i = frames[k - 1].T_ref_cam.rotation().template cast<double>() * R_cam_body;
+      const SO3<double> R_j = frames[k].T_ref_cam.rotation().template cast<double>() * R_cam_body;
+      const Vec<double, 3> e = (d.delta.dR.template cast<double>().inverse() * R_i.inverse() * R_j).log();
+      const Mat<double, 3, 3> J = d.J_R_g().template cast<double>();
+      Mat<double, 3, 3> variance = d.covariance.template topLeftCorner<3, 3>().template cast<double>();
+      variance.diagonal().array() += 2 * rotation_sigma * rotation_sigma + 1e-12;
+      const Mat<double, 3, 3> W = variance.inverse();
+      H += J.transpose() * W * J;
+      b += J.transpose() * W * (e + J * d.bias_gyro.template cast<double>());
+      squared += e.squaredNorm();
+    }
+    out.residual = std::sqrt(squared / static_cast<double>(frames.size() - 1));
+    if (round == rounds) break;
+    const Eigen::LDLT<Mat<double, 3, 3>> solver(H);
+    out.bias = solver.solve(b);
+    if (!(solver.vectorD().minCoeff() > 0) || !out.bias.allFinite()) return out;
+    for (std::size_t k = 1; k < frames.size(); ++k)
+      frames[k].imu->reintegrate(out.bias.template cast<S>(), frames[k].imu->increment().bias_accel);
+  }
+  out.valid = std::isfinite(out.residual);
+  return out;
+}
+
+}  // namespace plumbline

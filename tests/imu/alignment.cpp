@@ -1,0 +1,129 @@
+#include "plumbline/imu/alignment.hpp"
+
+#include <cmath>
+#include <type_traits>
+
+#include "catch.hpp"
+#include "imu/simulated_alignment.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+/// Exact poses, and a prior of the accelerometer bias that leaves it free.
+const AlignmentOptions exact_poses{
+    .metric = false, .rotation_sigma = 0, .position_sigma = 1e-6, .accel_bias_sigma = 100, .max_scale_sigma = 0.5};
+
+/// Largest error of gravity direction [rad], velocities [m/s] and biases, yaw apart.
+template <class S, int MaxFrames>
+double state_error(const Alignment<S, MaxFrames>& a, const test::SimulatedAlignment<S>& s) {
+  const Vec<double, 3> e3 = Vec<double, 3>::UnitZ();
+  const SO3<double> R_world_ref = a.R_world_ref.template cast<double>();
+  double worst = (R_world_ref * (s.R_ref_world * e3) - e3).norm();
+  const SO3<double> yaw = R_world_ref * s.R_ref_world;  // the found world from the true one
+  for (std::size_t k = 0; k < s.truth.size(); ++k) {
+    worst = std::max(worst, (a.v_world_body[k].template cast<double>() - yaw * s.truth[k].v_world_body).norm());
+    const NavState<double> x =
+        a.state(k, s.frames[k].T_ref_cam, s.T_body_cam.template cast<S>()).template cast<double>();
+    worst = std::max(worst, minus(x.T_world_body.rotation(), yaw * s.truth[k].T_world_body.rotation()).norm());
+    const NavState<double> x0 =
+        a.state(0, s.frames[0].T_ref_cam, s.T_body_cam.template cast<S>()).template cast<double>();
+    worst = std::max(
+        worst, (x.T_world_body.p() - x0.T_world_body.p() - yaw * Vec<double, 3>(s.truth[k].T_world_body.p())).norm());
+  }
+  worst = std::max(worst, (a.bias_gyro.template cast<double>() - s.truth[0].bias_gyro).norm());
+  return std::max(worst, (a.bias_accel.template cast<double>() - s.truth[0].bias_accel).norm());
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("alignment: everything from exact poses up to scale", "", float, double) {
+  using S = TestType;
+  for (std::uint64_t seed = 1; seed < 10; ++seed) {
+    for (const double scale : {0.3, 1.0, 7.0}) {
+      const test::SimulatedAlignment<S> s(seed, scale, {0.02, -0.01, 0.05}, {0.1, 0.2, -0.15});
+      AlignmentOptions options = exact_poses;
+      if (std::is_same_v<S, float>) options.position_sigma = 1e-5;
+      const Alignment<S, 12> a = align<12>(s.span(), s.T_body_cam.template cast<S>(), options);
+      REQUIRE(a.outcome == AlignmentOutcome::aligned);
+      REQUIRE(double(a.scale) == Approx(scale).epsilon(std::is_same_v<S, float> ? 1e-3 : 1e-5));
+      REQUIRE(state_error(a, s) < (std::is_same_v<S, float> ? 1e-2 : 1e-4));
+      REQUIRE((s.imu[3].increment().bias_accel == a.bias_accel && s.imu[3].increment().bias_gyro == a.bias_gyro));
+    }
+  }
+}
+
+TEMPLATE_TEST_CASE("alignment: metric poses", "", float, double) {
+  using S = TestType;
+  for (std::uint64_t seed = 1; seed < 10; ++seed) {
+    const test::SimulatedAlignment<S> s(seed, 1, {0.02, -0.01, 0.05}, {0.1, 0.2, -0.15});
+    AlignmentOptions options = exact_poses;
+    options.metric = true;
+    if (std::is_same_v<S, float>) options.position_sigma = 1e-5;
+    const Alignment<S, 10> a = align<10>(s.span(), s.T_body_cam.template cast<S>(), options);
+    REQUIRE(a.outcome == AlignmentOutcome::aligned);
+    REQUIRE(std::abs(a.scale - S(1)) < S(1e-5));
+    REQUIRE(state_error(a, s) < (std::is_same_v<S, float> ? 5e-3 : 1e-4));
+  }
+}
+
+TEST_CASE("alignment: sigmas are those of simulated noise") {
+  testing::Gaussian normal(7);
+  AlignmentOptions options;
+  options.max_scale_sigma = 1;
+  double scale_squared = 0, gravity_squared = 0, chi2 = 0;
+  constexpr int runs = 300;
+  for (int run = 0; run < runs; ++run) {
+    const Vec<double, 3> bias = options.accel_bias_sigma * normal.vector<3>();
+    test::SimulatedAlignment<double> s(std::uint64_t(run + 1), 2, {0.02, -0.01, 0.05}, bias);
+    for (AlignmentFrame<Preintegration<double>>& frame : s.frames)
+      frame.T_ref_cam = plus(frame.T_ref_cam, (Vec<double, 6>() << options.rotation_sigma * normal.vector<3>(),
+                                               options.position_sigma * normal.vector<3>())
+                                                  .finished());
+    const Alignment<double, 10> a = align<10>(s.span(), s.T_body_cam, options);
+    REQUIRE(a.outcome == AlignmentOutcome::aligned);
+    scale_squared += std::pow((a.scale / 2 - 1) / a.scale_sigma, 2) / runs;
+    const Vec<double, 3> e3 = Vec<double, 3>::UnitZ();
+    gravity_squared += (a.R_world_ref * (s.R_ref_world * e3) - e3).squaredNorm() / std::pow(a.gravity_sigma, 2) / runs;
+    chi2 += a.chi2 / runs;
+  }
+  CAPTURE(std::sqrt(scale_squared), std::sqrt(gravity_squared), chi2);
+  // The noise of a pose enters two intervals; the solution treats the two as independent.
+  REQUIRE((std::sqrt(scale_squared) > 0.5 && std::sqrt(scale_squared) < 1.5));
+  REQUIRE((std::sqrt(gravity_squared) > 0.5 && std::sqrt(gravity_squared) < 1.5));
+  REQUIRE((chi2 > 0.5 && chi2 < 1.5));
+}
+
+TEST_CASE("alignment: says what is missing") {
+  const Vec<double, 3> zero = Vec<double, 3>::Zero();
+  {
+    const test::SimulatedAlignment<double> s(1, 1, zero, zero, 4);
+    REQUIRE(align<10>(s.span(), s.T_body_cam).outcome == AlignmentOutcome::too_few_frames);
+  }
+  {
+    test::SimulatedAlignment<double> s(1, 1, zero, zero);
+    s.imu[4] = Preintegration<double>();
+    REQUIRE(align<10>(s.span(), s.T_body_cam).outcome == AlignmentOutcome::no_imu_data);
+    s.frames[4].imu = nullptr;
+    REQUIRE(align<10>(s.span(), s.T_body_cam).outcome == AlignmentOutcome::no_imu_data);
+  }
+  {
+    const test::SimulatedAlignment<double> s(1, 1, zero, zero);
+    REQUIRE(align<10>(s.span(), SE3<double>()).outcome == AlignmentOutcome::rotations_disagree);
+    REQUIRE(align<10>(s.span(), s.T_body_cam, {.gravity = 20}).outcome == AlignmentOutcome::gravity_implausible);
+    REQUIRE(align<10>(s.span(), s.T_body_cam, {.max_gravity_sigma = 1e-9}).outcome ==
+            AlignmentOutcome::gravity_uncertain);
+    REQUIRE(align<10>(s.span(), s.T_body_cam, {.max_scale_sigma = 1e-9}).outcome == AlignmentOutcome::scale_uncertain);
+  }
+  {
+    const test::SimulatedAlignment<double> s(1, 1, zero, zero, 10, false);
+    const Alignment<double, 10> a = align<10>(s.span(), s.T_body_cam);
+    REQUIRE((a.outcome == AlignmentOutcome::too_little_excitation && a.excitation < 1e-9));
+    REQUIRE(align<10>(s.span(), s.T_body_cam, {.metric = true}).outcome == AlignmentOutcome::aligned);
+  }
+  {
+    test::SimulatedAlignment<double> s(1, 1, zero, zero);
+    s.frames[4].T_ref_cam = SE3<double>(s.frames[4].T_ref_cam.rotation(), {0, std::nan(""), 0});
+    REQUIRE(!align<10>(s.span(), s.T_body_cam));
+  }
+}
