@@ -182,22 +182,22 @@ Alignment<typename P::Scalar, MaxFrames> align(std::span<const AlignmentFrame<P>
   constexpr int rounds = 6;
   constexpr double pinned = 1e6, on_sphere = 1e4;  // weights: 1/sigma
   for (int round = 0; round < rounds; ++round) {
-    const bool free = round == 0;
+    const bool first = round == 0;
     chain.clear();
     if (options.metric) chain.add_common_row(pinned * Row::Unit(Unknowns::s), pinned);
-    const double bias_weight = free ? pinned : 1 / options.accel_bias_sigma;
+    const double bias_weight = first ? pinned : 1 / options.accel_bias_sigma;
     for (int i = 0; i < 3; ++i) chain.add_common_row(bias_weight * Row::Unit(Unknowns::b_a + i), 0);
-    if (!free) {  // (8)
+    if (!first) {  // (8)
       Row row = Row::Zero();
       row.template head<3>() = on_sphere * g.normalized().transpose();
       chain.add_common_row(row, on_sphere * options.gravity);
     }
     for (std::size_t k = 1; k < frames.size(); ++k)
       detail::add_alignment_rows(chain, frames[k - 1], frames[k], T_body_camera, scale, options);
-    if (!chain.solve()) return stop(free ? AlignmentOutcome::too_little_excitation : AlignmentOutcome::scale_uncertain);
+    if (!chain.solve()) return stop(first ? AlignmentOutcome::too_little_excitation : AlignmentOutcome::scale_uncertain);
     g = chain.common().template head<3>();
     scale = std::abs(chain.common()[Unknowns::s]);
-    if (!free) continue;
+    if (!first) continue;
     out.gravity_norm = g.norm();
     if (!(std::abs(out.gravity_norm - options.gravity) <= options.max_gravity_error * options.gravity))
       return stop(AlignmentOutcome::gravity_implausible);

@@ -7,7 +7,7 @@
 ///     V_k                V_{k+1}  x       rhs
 
 #include <Eigen/QR>
-#include <cmath>
+#include <algorithm>
 #include <cstddef>
 
 #include "plumbline/core/assert.hpp"
@@ -48,10 +48,16 @@ class VelocityChain {
     return eliminated_.push_back(R.template topRows<3>());
   }
 
-  /// The minimum. False when anything is not determined.
+  /// The minimum. False when anything is not determined: a pivot is lost in the rounding of the largest one.
   bool solve() {
+    double smallest = carry_.diagonal().template head<N + 3>().cwiseAbs().minCoeff();
+    double largest = carry_.diagonal().template head<N + 3>().cwiseAbs().maxCoeff();
+    for (const Mat<double, 3, N + 7>& row : eliminated_) {
+      smallest = std::min(smallest, row.diagonal().cwiseAbs().minCoeff());
+      largest = std::max(largest, row.diagonal().cwiseAbs().maxCoeff());
+    }
+    if (!(smallest > 1e-13 * largest)) return false;
     const Mat<double, N, N> R = carry_.template block<N, N>(3, 3);
-    if (!determined(R)) return false;
     const Mat<double, N, N> R_inverse =
         R.template triangularView<Eigen::Upper>().solve(Mat<double, N, N>::Identity().eval());
     common_ = R_inverse * carry_.template block<N, 1>(3, N + 3);
@@ -61,7 +67,6 @@ class VelocityChain {
     Mat<double, 3, 3> R_v = carry_.template topLeftCorner<3, 3>();
     Vec<double, 3> rhs = carry_.template block<3, 1>(0, N + 3) - carry_.template block<3, N>(0, 3) * common_;
     for (int k = int(eliminated_.size());; --k) {
-      if (!determined(R_v)) return false;
       velocities_.col(k) = R_v.template triangularView<Eigen::Upper>().solve(rhs);
       if (k == 0) break;
       const Mat<double, 3, N + 7>& row = eliminated_[std::size_t(k) - 1];
@@ -78,13 +83,6 @@ class VelocityChain {
   Vec<double, 3> velocity(int k) const { return velocities_.col(k); }
 
  private:
-  /// Upper triangular, no pivot below the rounding of the largest one.
-  template <class D>
-  static bool determined(const Eigen::MatrixBase<D>& R) {
-    const double largest = R.diagonal().cwiseAbs().maxCoeff();
-    return R.diagonal().cwiseAbs().minCoeff() > 1e-14 * largest && std::isfinite(largest);
-  }
-
   Mat<double, N + 4, N + 4> carry_ = Mat<double, N + 4, N + 4>::Zero();  // over (V_k, x | rhs)
   int common_rows_ = 0;
   FixedVector<Mat<double, 3, N + 7>, std::size_t(MaxFrames) - 1> eliminated_;
