@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "plumbline/camera/pinhole.hpp"
+#include "plumbline/core/time.hpp"
 #include "plumbline/testing/renderer.hpp"
 #include "plumbline/testing/rig.hpp"
 #include "plumbline/testing/scenes.hpp"

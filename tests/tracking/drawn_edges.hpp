@@ -32,8 +32,8 @@ struct Quadrilateral {
   }
 };
 
-/// Adds `contrast` inside of the shape.
-inline void draw(cv::Mat& image, const Quadrilateral& shape, float contrast) {
+/// Calls `paint(pixel, part of it inside)` for the pixels of the shape.
+inline void for_each_pixel(cv::Mat& image, const Quadrilateral& shape, auto&& paint) {
   constexpr int samples = 8;
   for (int y = 0; y < image.rows; ++y) {
     for (int x = 0; x < image.cols; ++x) {
@@ -50,10 +50,19 @@ inline void draw(cv::Mat& image, const Quadrilateral& shape, float contrast) {
                                    Vec<float, 2>::Constant(0.5f - 0.5f / samples));
         }
       }
-      float& pixel = image.at<float>(y, x);
-      pixel += contrast * static_cast<float>(inside) / (samples * samples);
+      paint(image.at<float>(y, x), static_cast<float>(inside) / (samples * samples));
     }
   }
+}
+
+/// Adds `contrast` inside of the shape.
+inline void draw(cv::Mat& image, const Quadrilateral& shape, float contrast) {
+  for_each_pixel(image, shape, [&](float& pixel, float inside) { pixel += contrast * inside; });
+}
+
+/// Covers what is there.
+inline void cover(cv::Mat& image, const Quadrilateral& shape, float intensity) {
+  for_each_pixel(image, shape, [&](float& pixel, float inside) { pixel += inside * (intensity - pixel); });
 }
 
 /// Angle between two segments with direction [rad].

@@ -21,7 +21,7 @@ TEST_CASE("edge_map: gradients as they are defined, in every part of an image of
   const auto map = std::make_unique<Map>();
   for (const cv::Rect& part : {cv::Rect(0, 0, 640, 480), cv::Rect(5, 7, 301, 111), cv::Rect(1, 1, 7, 7)}) {
     const ImageView<const std::uint8_t> image = opencv::view<std::uint8_t>(whole(part));
-    REQUIRE(map->compute(image, 500));
+    REQUIRE(map->compute(image, 500 / Map::units));
     for (int y = 0; y < image.height; ++y) {
       for (int x = 0; x < image.width; ++x) {
         const int i = map->index(x, y);
@@ -62,12 +62,12 @@ TEST_CASE("edge_map: the unit is 128 for a gray level per pixel, and nothing ove
 
 TEST_CASE("edge_map: chains are connected, keep the bright side on one hand and share no pixel") {
   const auto map = std::make_unique<Map>();
-  const auto chain = std::make_unique<Map::Chain>();
+  const auto chain = std::make_unique<EdgeChain>();
   const cv::Mat image = testing::with_noise(testing::textured_image(), 2.0, 3);
-  REQUIRE(map->compute(opencv::view<std::uint8_t>(image), 300));
+  REQUIRE(map->compute(opencv::view<std::uint8_t>(image), 300 / Map::units));
   std::set<std::pair<int, int>> taken;
   std::size_t chains = 0, turns = 0, steps = 0;
-  map->for_each_chain(4, *chain, [&](const Map::Chain& c) {
+  map->for_each_chain(4, *chain, [&](const EdgeChain& c) {
     ++chains;
     REQUIRE(!c.empty());
     for (std::size_t i = 0; i < c.size(); ++i) {
@@ -87,15 +87,15 @@ TEST_CASE("edge_map: chains are connected, keep the bright side on one hand and 
 
 TEST_CASE("edge_map: peaks lie on the edge") {
   const auto map = std::make_unique<Map>();
-  const auto chain = std::make_unique<Map::Chain>();
+  const auto chain = std::make_unique<EdgeChain>();
   for (float shift = 0; shift < 1; shift += 0.17f) {
     cv::Mat drawn(120, 160, CV_32F, cv::Scalar(60)), image;
     const auto shape = testing::Quadrilateral::rectangle(Vec2f(80 + shift, 60), 70, 60, 0);
     testing::draw(drawn, shape, 100);
     drawn.convertTo(image, CV_8U);
-    REQUIRE(map->compute(opencv::view<std::uint8_t>(image), 500));
+    REQUIRE(map->compute(opencv::view<std::uint8_t>(image), 500 / Map::units));
     int checked = 0;
-    map->for_each_chain(4, *chain, [&](const Map::Chain& c) {
+    map->for_each_chain(4, *chain, [&](const EdgeChain& c) {
       for (const EdgePixel& pixel : c) {
         if (std::abs(pixel.y - 60) > 20) continue;
         const float x = map->peak(pixel).x(), edge = pixel.x < 80 ? 45 + shift : 115 + shift;

@@ -14,12 +14,14 @@ using plumbline::testing::Vec2f;
 namespace {
 
 using Segments = FixedVector<LineSegment, 300>;
-using Detector = LineSegmentDetector<1300 * 480>;
+using Edges = EdgeMap<1300 * 480>;
 
 Segments detect(const cv::Mat& image, const LineDetectorOptions& options = {}) {
-  static const auto detector = std::make_unique<Detector>();
+  static const auto edges = std::make_unique<Edges>();
+  static const auto detector = std::make_unique<LineSegmentDetector<>>();
   Segments out;
-  detector->detect(opencv::view<std::uint8_t>(image), options, out);
+  REQUIRE(edges->compute(opencv::view<std::uint8_t>(image), options.min_gradient));
+  detector->detect(*edges, options, out);
   return out;
 }
 
@@ -146,9 +148,11 @@ TEST_CASE("line_segment_detector: the same every time, longest first, the longes
   const Segments again = detect(image);
   REQUIRE(again.size() == all.size());
   for (std::size_t i = 0; i < all.size(); ++i) REQUIRE(all[i].start == again[i].start);
-  const auto small = std::make_unique<LineSegmentDetector<320 * 240, 12>>();
+  const auto edges = std::make_unique<Edges>();
+  REQUIRE(edges->compute(opencv::view<std::uint8_t>(image), LineDetectorOptions{}.min_gradient));
+  const auto small = std::make_unique<LineSegmentDetector<12>>();
   FixedVector<LineSegment, 6> few;
-  small->detect(opencv::view<std::uint8_t>(image), LineDetectorOptions{}, few);
+  small->detect(*edges, LineDetectorOptions{}, few);
   REQUIRE(few.size() == 6);
   for (std::size_t i = 0; i < few.size(); ++i) REQUIRE(few[i].length() == Approx(all[i].length()));
   LineDetectorOptions options;
@@ -159,13 +163,12 @@ TEST_CASE("line_segment_detector: the same every time, longest first, the longes
   for (const LineSegment& s : some) REQUIRE(s.length() >= 60);
 }
 
-TEST_CASE("line_segment_detector: images that do not fit give nothing") {
-  const auto small = std::make_unique<LineSegmentDetector<100 * 100>>();
-  const cv::Mat image = testing::textured_image();
+TEST_CASE("line_segment_detector: an image that the map refused gives nothing") {
+  const auto edges = std::make_unique<EdgeMap<100 * 100>>();
+  const auto detector = std::make_unique<LineSegmentDetector<>>();
+  REQUIRE_FALSE(edges->compute(opencv::view<std::uint8_t>(testing::textured_image()), 2));
   Segments out;
   out.push_back({});
-  small->detect(opencv::view<std::uint8_t>(image), LineDetectorOptions{}, out);
-  REQUIRE(out.empty());
-  small->detect({}, LineDetectorOptions{}, out);
+  detector->detect(*edges, LineDetectorOptions{}, out);
   REQUIRE(out.empty());
 }

@@ -45,7 +45,8 @@ float covered(const LineSegment& truth, const LineSegment* begin, const LineSegm
 }  // namespace
 
 TEST_CASE("line_segment_detector: finds what LSD finds") {
-  const auto detector = std::make_unique<LineSegmentDetector<1300 * 480, 800>>();
+  const auto edges = std::make_unique<EdgeMap<1300 * 480>>();
+  const auto detector = std::make_unique<LineSegmentDetector<800>>();
   const auto found = std::make_unique<FixedVector<LineSegment, 800>>();
   for (const cv::Mat& image : testing::recorded_images()) {
     const std::vector<LineSegment> lsd = lsd_segments(image);
@@ -53,7 +54,8 @@ TEST_CASE("line_segment_detector: finds what LSD finds") {
       WARN("this OpenCV has no LSD");
       return;
     }
-    detector->detect(opencv::view<std::uint8_t>(image), LineDetectorOptions{}, *found);
+    REQUIRE(edges->compute(opencv::view<std::uint8_t>(image), LineDetectorOptions{}.min_gradient));
+    detector->detect(*edges, LineDetectorOptions{}, *found);
     float length = 0, hit = 0, own = 0, own_hit = 0;
     for (const LineSegment& s : lsd) {
       if (s.length() < 50) continue;

@@ -26,16 +26,23 @@ struct EdgePixel {
   std::int16_t x, y;
 };
 
+using EdgeChain = FixedVector<EdgePixel, 4096>;
+
+/// The pixel that a position [px] >= 0 is in.
+inline EdgePixel nearest_pixel(const Vec<float, 2>& uv) {
+  return {static_cast<std::int16_t>(uv.x() + 0.5f), static_cast<std::int16_t>(uv.y() + 0.5f)};
+}
+
 template <std::size_t MaxPixels>
 class EdgeMap {
  public:
   static constexpr float units = 128;  ///< of (18), for one gray level per pixel
   static constexpr int border = 3;     ///< pixels at the edge of the image that have no strength
-  static constexpr std::size_t max_chain = 4096;
-  using Chain = FixedVector<EdgePixel, max_chain>;
 
-  /// False when the image is empty, has more than MaxPixels pixels or is too small to have an inside.
-  bool compute(const ImageView<const std::uint8_t>& image, int threshold) {
+  /// The threshold of the strength is a slope [intensity/px]. False when the image is empty, has more than MaxPixels
+  /// pixels or is too small to have an inside.
+  bool compute(const ImageView<const std::uint8_t>& image, float min_slope) {
+    const int threshold = static_cast<int>(min_slope * units);
     width_ = height_ = 0;
     if (image.empty() || image.width <= 2 * border || image.height <= 2 * border || image.width > 32000 ||
         image.height > 32000 ||
@@ -60,8 +67,13 @@ class EdgeMap {
   int width() const { return width_; }
   int height() const { return height_; }
   int index(int x, int y) const { return y * width_ + x; }
-  int gx(int i) const { return gx_[static_cast<std::size_t>(i)]; }
-  int gy(int i) const { return gy_[static_cast<std::size_t>(i)]; }
+  /// True when the position is inside of the border; false for NaN.
+  bool contains(const Vec<float, 2>& uv) const {
+    return uv.x() >= float(border) && uv.y() >= float(border) && uv.x() < static_cast<float>(width_ - border) - 0.5f &&
+           uv.y() < static_cast<float>(height_ - border) - 0.5f;
+  }
+  int gx(int i) const { return gradients_[static_cast<std::size_t>(i)].x; }
+  int gy(int i) const { return gradients_[static_cast<std::size_t>(i)].y; }
   /// 0: below the threshold; negative: taken by a chain.
   int strength(int i) const { return strength_[static_cast<std::size_t>(i)]; }
   /// The edge through the pixel is steeper than 45 degrees.
@@ -70,17 +82,21 @@ class EdgeMap {
   /// Slope along the unit normal at the nearest pixel [intensity/px], 0 where the gradient is more than 22.5 degrees
   /// off the normal, and outside.
   float aligned_slope(const Vec<float, 2>& uv, const Vec<float, 2>& normal) const {
-    const int x = static_cast<int>(uv.x() + 0.5f), y = static_cast<int>(uv.y() + 0.5f);
-    if (!(uv.x() >= 0.0f && uv.y() >= 0.0f && x < width_ && y < height_)) return 0;
-    const float u = static_cast<float>(gx(index(x, y))), v = static_cast<float>(gy(index(x, y)));
-    const float across = normal.x() * u + normal.y() * v, along = normal.x() * v - normal.y() * u;
-    constexpr float tan_22_5 = 0.41421356f;
-    return std::abs(along) < tan_22_5 * across ? across / units : 0.0f;
+    return contains(uv) ? slope_inside(uv, normal) : 0.0f;
+  }
+  /// The same at `at` + j `normal`, j = -range ... range, into out[j + range].
+  void aligned_slopes(const Vec<float, 2>& at, const Vec<float, 2>& normal, int range, float* out) const {
+    const Vec<float, 2> first = at - static_cast<float>(range) * normal, last = at + static_cast<float>(range) * normal;
+    const bool inside = contains(first) && contains(last);
+    for (int j = 0; j <= 2 * range; ++j) {
+      const Vec<float, 2> uv = first + static_cast<float>(j) * normal;
+      out[j] = inside ? slope_inside(uv, normal) : aligned_slope(uv, normal);
+    }
   }
 
-  /// Calls `take(Chain)` for each chain, started at local maxima of the strength in every `spacing`-th row (steep
+  /// Calls `take(chain)` for each chain, started at local maxima of the strength in every `spacing`-th row (steep
   /// edges) and column (flat ones). A chain that is full ends; what is left of its edge is another chain.
-  void for_each_chain(int spacing, Chain& chain, auto&& take) {
+  void for_each_chain(int spacing, EdgeChain& chain, auto&& take) {
     for (int y = border; y < height_ - border; ++y) {
       const int step = y % spacing == 0 ? 1 : spacing;
       for (int x = border; x < width_ - border; x += step) {
@@ -118,9 +134,22 @@ class EdgeMap {
 
  private:
   static constexpr int block = 128;
+  struct Gradient {
+    std::int16_t x, y;  ///< (18)
+  };
+
+  float slope_inside(const Vec<float, 2>& uv, const Vec<float, 2>& normal) const {
+    const std::size_t i =
+        static_cast<std::size_t>(static_cast<int>(uv.y() + 0.5f) * width_ + static_cast<int>(uv.x() + 0.5f));
+    const float u = static_cast<float>(gradients_[i].x), v = static_cast<float>(gradients_[i].y);
+    const float across = normal.x() * u + normal.y() * v, along = normal.x() * v - normal.y() * u;
+    constexpr float tan_22_5 = 0.41421356f;
+    return std::abs(along) < tan_22_5 * across ? across / units : 0.0f;
+  }
 
   void clear(int first, int n) {
-    for (auto* values : {&gx_, &gy_, &strength_}) std::fill_n(values->data() + first, n, std::int16_t(0));
+    std::fill_n(gradients_.data() + first, n, Gradient{0, 0});
+    std::fill_n(strength_.data() + first, n, std::int16_t(0));
   }
 
   /// (18) for `n` pixels of row y from x on.
@@ -135,20 +164,20 @@ class EdgeMap {
       slope[k] = static_cast<std::int16_t>(e - a + 2 * (d - b));
     }
     const std::size_t out = static_cast<std::size_t>(index(x, y));
-    std::int16_t *gx = gx_.data() + out, *gy = gy_.data() + out, *strength = strength_.data() + out;
+    Gradient* const gradient = gradients_.data() + out;
+    std::int16_t* const strength = strength_.data() + out;
     for (int k = 0; k < n; ++k) {
       const std::int16_t u = static_cast<std::int16_t>(smooth[k + 4] - smooth[k] + 2 * (smooth[k + 3] - smooth[k + 1]));
       const std::int16_t v =
           static_cast<std::int16_t>(slope[k] + slope[k + 4] + 4 * (slope[k + 1] + slope[k + 3]) + 6 * slope[k + 2]);
       const std::int16_t s = static_cast<std::int16_t>(std::abs(u) + std::abs(v));
-      gx[k] = u;
-      gy[k] = v;
+      gradient[k] = {u, v};
       strength[k] = s > threshold ? s : std::int16_t(0);
     }
   }
 
   /// Along t (sign 1) or against it (-1), from pixel i on.
-  void walk(int i, int sign, Chain& chain) {
+  void walk(int i, int sign, EdgeChain& chain) {
     int y = i / width_, x = i - y * width_;
     while (strength(i) > 0 && chain.push_back({static_cast<std::int16_t>(x), static_cast<std::int16_t>(y)})) {
       strength_[static_cast<std::size_t>(i)] = static_cast<std::int16_t>(-strength(i));
@@ -165,7 +194,8 @@ class EdgeMap {
     }
   }
 
-  std::array<std::int16_t, MaxPixels> gx_, gy_, strength_;
+  std::array<Gradient, MaxPixels> gradients_;
+  std::array<std::int16_t, MaxPixels> strength_;
   int width_ = 0, height_ = 0;
 };
 

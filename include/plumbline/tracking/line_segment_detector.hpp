@@ -6,7 +6,7 @@
 ///           within `max_distance_px` of the line through all pixels so far
 ///   fit     total least squares of the ridge's sub-pixel positions, twice, without those beyond `max_distance_px` (19)
 ///   accept  length, RMS, and the share of pixels whose gradient agrees with the normal within 22.5 degrees
-/// The work is linear in the pixels. Deterministic, no heap: the object owns 6 bytes for each pixel.
+/// The work is linear in the pixels. Deterministic, no heap.
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +15,8 @@
 
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
-#include "plumbline/image/image_view.hpp"
 #include "plumbline/tracking/edge_map.hpp"
+#include "plumbline/tracking/follow_edge.hpp"
 #include "plumbline/tracking/line_fit.hpp"
 #include "plumbline/tracking/line_segment.hpp"
 
@@ -33,18 +33,17 @@ struct LineDetectorOptions {
   MergeOptions merge;
 };
 
-template <std::size_t MaxPixels, std::size_t MaxCandidates = 300>
+template <std::size_t MaxCandidates = 300>
 class LineSegmentDetector {
  public:
-  /// Replaces `out` by the segments of the image, longest first; the shortest are left out when it is too small.
-  template <std::size_t N>
-  void detect(const ImageView<const std::uint8_t>& image, const LineDetectorOptions& options,
-              FixedVector<LineSegment, N>& out) {
+  /// Replaces `out` by the segments of the image, longest first; the shortest are left out when it is too small. The
+  /// map was computed with `min_gradient`; its pixels are taken once, by the first detection.
+  template <std::size_t MaxPixels, std::size_t N>
+  void detect(EdgeMap<MaxPixels>& edges, const LineDetectorOptions& options, FixedVector<LineSegment, N>& out) {
     out.clear();
     candidates_.clear();
-    if (!edges_.compute(image, static_cast<int>(options.min_gradient * Edges::units))) return;
-    edges_.for_each_chain(options.anchor_spacing_px, chain_,
-                          [&](const typename Edges::Chain& chain) { cut(chain, options); });
+    edges.for_each_chain(options.anchor_spacing_px, chain_,
+                         [&](const EdgeChain& chain) { cut(edges, chain, options); });
     merge_collinear(candidates_, options.merge);
     for (const LineSegment& segment : candidates_) {
       if (segment.length() < options.min_length_px || !out.push_back(segment)) break;
@@ -52,11 +51,11 @@ class LineSegmentDetector {
   }
 
  private:
-  using Edges = EdgeMap<MaxPixels>;
   using Moments = LineMoments<std::int64_t>;
 
   /// The straight runs of a chain.
-  void cut(const typename Edges::Chain& chain, const LineDetectorOptions& options) {
+  template <class Edges>
+  void cut(const Edges& edges, const EdgeChain& chain, const LineDetectorOptions& options) {
     // A run's pixels are as many as its extent along the nearer axis.
     const std::size_t window = static_cast<std::size_t>(std::max(8.0f, 0.5f * options.min_length_px));
     const float max_variance = options.max_rms_px * options.max_rms_px;
@@ -84,19 +83,21 @@ class LineSegmentDetector {
         add(moments, i, 1);
         if (++added % refit_interval == 0) line = moments.line();
       }
-      fit(chain, first, end, options);
+      fit(edges, chain, first, end, options);
       first = end;
     }
   }
 
   /// Keeps the line through chain pixels [first, end) when it is acceptable.
-  void fit(const typename Edges::Chain& chain, std::size_t first, std::size_t end, const LineDetectorOptions& options) {
+  template <class Edges>
+  void fit(const Edges& edges, const EdgeChain& chain, std::size_t first, std::size_t end,
+           const LineDetectorOptions& options) {
     const EdgePixel& middle = chain[(first + end) / 2];
     const Vec<float, 2> origin(middle.x, middle.y);  // small numbers: float sums stay exact enough
     LineMoments<float> moments;
     points_.clear();
     for (std::size_t i = first; i < end; ++i) {
-      points_.push_back(edges_.peak(chain[i]) - origin);
+      points_.push_back(edges.peak(chain[i]) - origin);
       moments.add(points_.back().x(), points_.back().y());
     }
     FittedLine line = moments.line();
@@ -116,7 +117,7 @@ class LineSegmentDetector {
     int aligned = 0;
     for (std::size_t k = 0; k < points_.size(); ++k) {
       if (!(std::abs(line.distance(points_[k])) < options.max_distance_px)) continue;
-      const float across = edges_.aligned_slope(origin + points_[k], normal);
+      const float across = edges.aligned_slope(origin + points_[k], normal);
       aligned += across > 0;
       slope += across;
       from = std::min(from, line.along(points_[k]));
@@ -128,39 +129,14 @@ class LineSegmentDetector {
     segment.start = line.at(from);
     segment.end = line.at(to);
     segment.gradient = slope / static_cast<float>(aligned);
-    grow(line, moments, origin, segment.start, -1, options);
-    grow(line, moments, origin, segment.end, 1, options);
+    // What the chain lost in rounded corners, in gaps and to other chains; farther the line's angle is too uncertain.
+    const FollowOptions follow{0.5f * options.min_gradient, options.max_distance_px, options.max_misses,
+                               static_cast<int>(0.5f * moments.n)};
+    follow_edge(edges, origin, follow, -1, line, moments, segment.start);
+    follow_edge(edges, origin, follow, 1, line, moments, segment.end);
     segment.start = origin + line.at(line.along(segment.start));
     segment.end = origin + line.at(line.along(segment.end));
     keep(segment);
-  }
-
-  /// Follows the edge on from its `tip`, along the line (sign 1) or against it, and fits the line to what it finds:
-  /// what the chain lost in rounded corners, in gaps and to other chains.
-  void grow(FittedLine& line, LineMoments<float>& moments, const Vec<float, 2>& origin, Vec<float, 2>& tip, float sign,
-            const LineDetectorOptions& options) const {
-    const int most = static_cast<int>(0.5f * moments.n);  // beyond that the line's angle is too uncertain
-    int misses = 0, added = 0;
-    for (int k = 0; k < most && misses <= options.max_misses; ++k) {
-      const Vec<float, 2> at = line.at(line.along(tip) + sign * static_cast<float>(1 + misses));
-      const Vec<float, 2> normal(-line.direction.y(), line.direction.x()), uv = origin + at;
-      const float here = edges_.aligned_slope(uv, normal);
-      ++misses;
-      if (!(here > 0.5f * options.min_gradient && here > edges_.aligned_slope(uv - 2 * normal, normal) &&
-            here > edges_.aligned_slope(uv + 2 * normal, normal))) {
-        continue;
-      }
-      const Vec<float, 2> peak =
-          edges_.peak({static_cast<std::int16_t>(uv.x() + 0.5f), static_cast<std::int16_t>(uv.y() + 0.5f)}) - origin;
-      if (!(std::abs(line.distance(peak)) < options.max_distance_px)) continue;
-      misses = 0;
-      tip = at;
-      moments.add(peak.x(), peak.y());
-      if (++added % refit_interval != 0) continue;
-      const Vec<float, 2> direction = line.direction;
-      line = moments.line();
-      if (line.direction.dot(direction) < 0) line.direction = -line.direction;
-    }
   }
 
   void keep(const LineSegment& segment) {
@@ -178,9 +154,8 @@ class LineSegmentDetector {
 
   static constexpr int refit_interval = 8;
 
-  Edges edges_;
-  typename Edges::Chain chain_;
-  FixedVector<Vec<float, 2>, Edges::max_chain> points_;
+  EdgeChain chain_;
+  FixedVector<Vec<float, 2>, EdgeChain::capacity()> points_;
   FixedVector<LineSegment, MaxCandidates> candidates_;
 };
 
