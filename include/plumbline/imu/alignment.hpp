@@ -2,13 +2,16 @@
 /// Initialization in closed form: velocities, gravity, biases and, where vision has none, the scale that make camera
 /// poses and inertial readings agree.                                                  docs/math/initialization.md
 ///
-/// In the frame `ref` of the camera poses (R_k of the body, c_k of the camera; e = T_body_cam), unknown V_k, g, s, b_a:
-///   -R_k^T Dt V_k - R_k^T Dt^2/2 g + R_k^T (c_{k+1} - c_k) s - J_p_a b_a = dp_k - p_e + R_k^T R_{k+1} p_e
-///   -R_k^T V_k + R_k^T V_{k+1} - R_k^T Dt g                 - J_v_a b_a = dv_k                                    (7)
+/// In the frame `ref` of the camera poses (R_k of the body, c_k of the camera; e = T_body_cam) everything is linear in
+/// lambda, the length of a metre in units of the poses, and V_k, g', b' = velocities, gravity, accelerometer bias
+/// times lambda:
+///   Dt R_k^T V_k + Dt^2/2 R_k^T g' + (dp_k + R_k^T R_{k+1} p_e - p_e) lambda + J_p_a b' = R_k^T (c_{k+1} - c_k)
+///   R_k^T V_k - R_k^T V_{k+1} + Dt R_k^T g' + dv_k lambda + J_v_a b' = 0                                         (7)
+/// The poses, by far the noisiest, stand on the right: noise in a coefficient would pull the scale to zero.
 /// 1. the gyroscope bias, (5)
-/// 2. g free, b_a = 0: its length tells whether vision and IMU belong together
-/// 3. |g| = G on its tangent, g^T x = G |g|, b_a with its prior; repeated from the direction found                  (8)
-/// Metric vision has the row s = 1. Rows are whitened by the increment's covariance plus that of the visual poses.
+/// 2. g' free, b' = 0: the length of g' / lambda tells whether vision and IMU belong together
+/// 3. |g| = G on its tangent, g^T g' = G lambda, and a prior of b'; repeated from the direction found               (8)
+/// Metric vision has the row lambda = 1. Rows are whitened by the increment's covariance plus that of the poses.
 /// 4. gravity in `ref` gives the world's attitude, (2), without yaw of the first body
 
 #include <Eigen/Cholesky>
@@ -86,7 +89,7 @@ namespace detail {
 
 /// Unknowns common to all frames.
 struct AlignmentUnknowns {
-  enum : int { g = 0, s = 3, b_a = 4, count = 7 };
+  enum : int { g = 0, lambda = 3, b_a = 4, count = 7 };
 };
 
 /// RMS deviation of the mean specific forces between frames from their mean, in `ref`.
@@ -108,7 +111,7 @@ double excitation(std::span<const AlignmentFrame<P>> frames, const SO3<double>& 
 /// The rows (7) of one interval, about the increment's own accelerometer bias.
 template <int MaxFrames, class P>
 bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chain, const AlignmentFrame<P>& begin,
-                        const AlignmentFrame<P>& end, const SE3<double>& T_body_cam, double scale,
+                        const AlignmentFrame<P>& end, const SE3<double>& T_body_cam, double lambda,
                         const AlignmentOptions& options) {
   using Mat3 = Mat<double, 3, 3>;
   const auto& d = end.imu->increment();
@@ -119,22 +122,22 @@ bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chai
              R_i_j = Rt * T_j.R() * R_body_cam.transpose();
   const Mat<double, 6, 3> J_a = d.J_delta_bias.template block<6, 3>(3, 3).template cast<double>();
 
+  Vec<double, 6> delta, c;
+  delta << dp + R_i_j * T_body_cam.p() - T_body_cam.p(), dv;
+  delta -= J_a * d.bias_accel.template cast<double>();
+  c << Rt * (T_j.p() - T_i.p()), Vec<double, 3>::Zero();
   Mat<double, 6, 3> A_begin, A_end, reaction;
+  A_begin << t * Rt, Rt;
+  A_end << Mat3::Zero(), -Rt;
   Mat<double, 6, AlignmentUnknowns::count> B;
-  Vec<double, 6> c;
-  A_begin << -t * Rt, -Rt;
-  A_end << Mat3::Zero(), Rt;
-  B << -0.5 * t * t * Rt, Rt * (T_j.p() - T_i.p()), -J_a.topRows<3>(), -t * Rt, Vec<double, 3>::Zero(),
-      -J_a.bottomRows<3>();
-  c << dp - T_body_cam.p() + R_i_j * T_body_cam.p(), dv;
-  c -= J_a * d.bias_accel.template cast<double>();
+  B << 0.5 * t * A_begin.topRows<3>(), delta.head<3>(), J_a.topRows<3>(), t * Rt, delta.tail<3>(), J_a.bottomRows<3>();
 
   reaction << hat(dp), hat(dv);  // to a rotation of frame i
   Mat<double, 6, 6> variance = d.covariance.template block<6, 6>(3, 3).template cast<double>();
   variance += options.rotation_sigma * options.rotation_sigma * reaction * reaction.transpose();
-  const double position_sigma = scale * options.position_sigma;
-  variance.diagonal().head<3>().array() += 2 * position_sigma * position_sigma;
   variance.diagonal().array() += 1e-12;
+  variance *= lambda * lambda;
+  variance.diagonal().head<3>().array() += 2 * options.position_sigma * options.position_sigma;
   const Eigen::LLT<Mat<double, 6, 6>> whiten(variance);
   whiten.matrixL().solveInPlace(A_begin);
   whiten.matrixL().solveInPlace(A_end);
@@ -177,53 +180,57 @@ Alignment<typename P::Scalar, MaxFrames> align(std::span<const AlignmentFrame<P>
     return stop(AlignmentOutcome::too_little_excitation);
 
   Vec<double, 3> g = Vec<double, 3>::Zero();
-  double scale = 1;
+  double lambda = 1;
   VelocityChain<MaxFrames, Unknowns::count> chain;
-  constexpr int rounds = 6;
+  constexpr int free_rounds = 2, rounds = 7;       // the weights depend on lambda
   constexpr double pinned = 1e6, on_sphere = 1e4;  // weights: 1/sigma
   for (int round = 0; round < rounds; ++round) {
-    const bool first = round == 0;
+    const bool free = round < free_rounds;
     chain.clear();
-    if (options.metric) chain.add_common_row(pinned * Row::Unit(Unknowns::s), pinned);
-    const double bias_weight = first ? pinned : 1 / options.accel_bias_sigma;
+    if (options.metric) chain.add_common_row(pinned * Row::Unit(Unknowns::lambda), pinned);
+    const double bias_weight = (free ? pinned : 1 / options.accel_bias_sigma) / lambda;
     for (int i = 0; i < 3; ++i) chain.add_common_row(bias_weight * Row::Unit(Unknowns::b_a + i), 0);
-    if (!first) {  // (8)
+    if (!free) {  // (8)
       Row row = Row::Zero();
-      row.template head<3>() = on_sphere * g.normalized().transpose();
-      chain.add_common_row(row, on_sphere * options.gravity);
+      row.template head<3>() = g.normalized().transpose();
+      row[Unknowns::lambda] = -options.gravity;
+      chain.add_common_row(on_sphere / lambda * row, 0);
     }
     for (std::size_t k = 1; k < frames.size(); ++k)
-      detail::add_alignment_rows(chain, frames[k - 1], frames[k], T_body_camera, scale, options);
-    if (!chain.solve()) return stop(first ? AlignmentOutcome::too_little_excitation : AlignmentOutcome::scale_uncertain);
-    g = chain.common().template head<3>();
-    scale = std::abs(chain.common()[Unknowns::s]);
-    if (!first) continue;
-    out.gravity_norm = g.norm();
-    if (!(std::abs(out.gravity_norm - options.gravity) <= options.max_gravity_error * options.gravity))
-      return stop(AlignmentOutcome::gravity_implausible);
+      detail::add_alignment_rows(chain, frames[k - 1], frames[k], T_body_camera, lambda, options);
+    if (!chain.solve()) return stop(AlignmentOutcome::scale_uncertain);
+    g = chain.common().template head<3>() / chain.common()[Unknowns::lambda];
+    lambda = std::abs(chain.common()[Unknowns::lambda]);
+    if (round == free_rounds - 1) {
+      out.gravity_norm = g.norm();
+      if (!(std::abs(out.gravity_norm - options.gravity) <= options.max_gravity_error * options.gravity))
+        return stop(AlignmentOutcome::gravity_implausible);
+    }
   }
 
   // Degrees of freedom: 6 rows an interval, those of (8), b_a and metric; less velocities and common unknowns.
   const double freedom = 6 * double(frames.size() - 1) + (options.metric ? 5 : 4) - 3 * double(frames.size()) - 7;
   out.chi2 = chain.cost() / freedom;
   const Mat<double, 7, 7> covariance = std::max(1.0, out.chi2) * chain.covariance();
-  out.gravity_sigma = std::sqrt(covariance.topLeftCorner<3, 3>().trace()) / options.gravity;
-  out.scale_sigma = std::sqrt(covariance(Unknowns::s, Unknowns::s)) / scale;
-  out.accel_bias_sigma = std::sqrt(covariance.bottomRightCorner<3, 3>().diagonal().maxCoeff());
+  const Mat<double, 3, 3> tangent = Mat<double, 3, 3>::Identity() - g * g.transpose() / g.squaredNorm();
+  out.gravity_sigma =
+      std::sqrt((tangent * covariance.topLeftCorner<3, 3>() * tangent).trace()) / (lambda * options.gravity);
+  out.scale_sigma = std::sqrt(covariance(Unknowns::lambda, Unknowns::lambda)) / lambda;
+  out.accel_bias_sigma = std::sqrt(covariance.bottomRightCorner<3, 3>().diagonal().maxCoeff()) / lambda;
 
   const SO3<double> R_ref_body =
       frames[0].T_ref_cam.rotation().template cast<double>() * T_body_camera.rotation().inverse();
   const SO3<double> R_world_ref = upright<double>(R_ref_body.inverse() * g) * R_ref_body.inverse();
   out.R_world_ref = R_world_ref.template cast<S>();
-  out.scale = S(scale);
-  out.bias_accel = chain.common().template tail<3>().template cast<S>();
+  out.scale = S(1 / lambda);
+  out.bias_accel = (chain.common().template tail<3>() / lambda).template cast<S>();
   for (std::size_t k = 0; k < frames.size(); ++k)
-    out.v_world_body.push_back((R_world_ref * chain.velocity(int(k))).template cast<S>());
+    out.v_world_body.push_back((R_world_ref * Vec<double, 3>(chain.velocity(int(k)) / lambda)).template cast<S>());
   for (std::size_t k = 1; k < frames.size(); ++k) frames[k].imu->reintegrate(out.bias_gyro, out.bias_accel);
 
   if (!(out.gravity_sigma <= options.max_gravity_sigma)) return stop(AlignmentOutcome::gravity_uncertain);
   if (options.metric) return stop(AlignmentOutcome::aligned);
-  if (!(chain.common()[Unknowns::s] > 0) || !(out.scale_sigma <= options.max_scale_sigma))
+  if (!(chain.common()[Unknowns::lambda] > 0) || !(out.scale_sigma <= options.max_scale_sigma))
     return stop(AlignmentOutcome::scale_uncertain);
   return stop(AlignmentOutcome::aligned);
 }
