@@ -1,0 +1,119 @@
+#pragma once
+/// The depth of a segment from depths measured beside it.                                   docs/math/line.md
+///
+///   1/z(s) = (1 - s) l_a + s l_b          s in [0, 1] along the segment on the plane z = 1: exactly affine    (26)
+///   Sigma  = (sum [1-s, s]^T [1-s, s] / sigma^2)^-1  max(1, samples / independent_samples)                    (27)
+/// Inverse depth is what disparity sensors measure with constant noise; least squares of points in space would weigh
+/// the far end wrongly. An edge often is where a near surface ends: of the two sides the NEARER one owns it.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/geometry/line3.hpp"
+
+namespace plumbline {
+
+/// An inverse depth measured at one place of a segment.
+template <class S>
+struct LineDepthSample {
+  S along;          ///< s of (26)
+  S inverse_depth;  ///< 1/z [1/m]
+  S sigma;          ///< [1/m]
+};
+
+struct LineDepthOptions {
+  double inlier_sigmas = 3;
+  double min_inliers = 0.6;          ///< share of the samples
+  double min_extent = 0.5;           ///< of the segment between the outermost inliers
+  double independent_samples = 8;    ///< neighbouring pixels err together: more samples than these do not add up
+  double max_relative_sigma = 0.05;  ///< of the inverse depth at both ends
+};
+
+template <class S>
+struct LineDepth {
+  bool valid = false;
+  Vec<S, 2> inverse_depth = Vec<S, 2>::Zero();     ///< l_a, l_b [1/m]
+  Mat<S, 2, 2> covariance = Mat<S, 2, 2>::Zero();  ///< (27) [1/m^2]
+  int inliers = 0;
+};
+
+/// s of (26) for a ray with z = 1 that looks at (or beside) the segment between two such rays.
+template <class S>
+S along_segment(const Vec<S, 3>& m, const Vec<S, 3>& m_start, const Vec<S, 3>& m_end) {
+  const Vec<S, 3> extent = m_end - m_start;
+  return (m - m_start).dot(extent) / extent.squaredNorm();
+}
+
+/// The line through both ends.
+template <class S>
+Line3<S> line_from_depth(const Vec<S, 3>& m_start, const Vec<S, 3>& m_end, const Vec<S, 2>& inverse_depth) {
+  return Line3<S>::through(m_start / inverse_depth[0], m_end / inverse_depth[1]);
+}
+
+/// One sample of the two sides of an edge at the same place: both together where they agree, else the nearer one.
+template <class S>
+LineDepthSample<S> nearer_side(const LineDepthSample<S>& a, const LineDepthSample<S>& b, S agreement_sigmas = S(3)) {
+  const S var_a = a.sigma * a.sigma, var_b = b.sigma * b.sigma;
+  if (!(std::abs(a.inverse_depth - b.inverse_depth) < agreement_sigmas * std::sqrt(var_a + var_b))) {
+    return a.inverse_depth > b.inverse_depth ? a : b;
+  }
+  const S w = var_b / (var_a + var_b);
+  return {a.along, w * a.inverse_depth + (1 - w) * b.inverse_depth, std::sqrt(w * var_a)};
+}
+
+/// The affine function that most samples agree on, then weighted least squares of those.
+template <class S>
+LineDepth<S> fit_line_depth(std::span<const LineDepthSample<S>> samples, const LineDepthOptions& options = {}) {
+  constexpr std::size_t max_voters = 12;  // at most 66 pairs
+  LineDepth<S> out;
+  const std::size_t n = samples.size(), voters = std::min(n, max_voters);
+  const auto agrees = [&](const LineDepthSample<S>& x, const Vec<S, 2>& l) {
+    return std::abs((1 - x.along) * l[0] + x.along * l[1] - x.inverse_depth) < S(options.inlier_sigmas) * x.sigma;
+  };
+  for (std::size_t i = 0; i < voters; ++i) {
+    for (std::size_t j = i + 1; j < voters; ++j) {
+      const LineDepthSample<S>&a = samples[i * n / voters], &b = samples[j * n / voters];
+      const S slope = (b.inverse_depth - a.inverse_depth) / (b.along - a.along);
+      if (!(std::abs(b.along - a.along) > S(0.25))) continue;
+      const S l_a = a.inverse_depth - slope * a.along;
+      const Vec<S, 2> l(l_a, l_a + slope);
+      const int inliers =
+          static_cast<int>(std::count_if(samples.begin(), samples.end(), [&](const auto& x) { return agrees(x, l); }));
+      if (inliers <= out.inliers) continue;
+      out.inliers = inliers;
+      out.inverse_depth = l;
+    }
+  }
+  if (out.inliers < 3) return out;
+  S first = 1, last = 0;
+  for (int iteration = 0; iteration < 2; ++iteration) {
+    Mat<S, 2, 2> H = Mat<S, 2, 2>::Zero();
+    Vec<S, 2> g = Vec<S, 2>::Zero();
+    out.inliers = 0;
+    first = 1, last = 0;
+    for (const LineDepthSample<S>& x : samples) {
+      if (!agrees(x, out.inverse_depth)) continue;
+      const Vec<S, 2> row(1 - x.along, x.along);
+      const S weight = 1 / (x.sigma * x.sigma);
+      H += weight * row * row.transpose();
+      g += weight * row * x.inverse_depth;
+      ++out.inliers;
+      first = std::min(first, x.along);
+      last = std::max(last, x.along);
+    }
+    const S det = H(0, 0) * H(1, 1) - H(0, 1) * H(0, 1);
+    out.covariance << H(1, 1) / det, -H(0, 1) / det, -H(0, 1) / det, H(0, 0) / det;
+    out.inverse_depth = out.covariance * g;
+  }
+  out.covariance *= std::max(S(1), S(out.inliers) / S(options.independent_samples));  // (27)
+  const Vec<S, 2> sigma = out.covariance.diagonal().cwiseSqrt();
+  out.valid = S(out.inliers) >= S(options.min_inliers) * S(n) && last - first >= S(options.min_extent) &&
+              sigma[0] < S(options.max_relative_sigma) * out.inverse_depth[0] &&  // false for NaN too
+              sigma[1] < S(options.max_relative_sigma) * out.inverse_depth[1];
+  return out;
+}
+
+}  // namespace plumbline
