@@ -61,7 +61,8 @@ class WindowBackend {
     return summary;
   }
 
-  /// Turns the keyframe in `slot` and all landmarks anchored in it into prior information on the others.
+  /// Turns the keyframe in `slot`, all landmarks anchored in it and its observations of others into prior information
+  /// on the keyframes that stay.
   void marginalize(const Sensors& rig, FeatureSet& features, int slot) {
     const SE3<S> T_body_cam = rig.T_body_cam();
     views_.linearize(window_, T_body_cam);
@@ -69,7 +70,7 @@ class WindowBackend {
     marginalizer_.add_rows(prior_.J0, prior_.r0);
     const Vec<double, dim> e = corrections();
     for_each(features, [&](auto& map, auto& terms) {
-      terms.for_each_anchored_in(slot, rig, map, window_, views_, [&](const auto& landmark) {
+      terms.for_each_leaving(slot, rig, map, window_, views_, [&](const auto& landmark) {
         constexpr int columns = std::remove_cvref_t<decltype(landmark)>::landmark_dim;
         static_assert(columns <= max_landmark_dim && std::remove_cvref_t<decltype(landmark)>::max_rows <= max_rows);
         const int rows = landmark.rows();

@@ -17,6 +17,7 @@
 #include "plumbline/core/time.hpp"
 #include "plumbline/estimator/clock.hpp"
 #include "plumbline/estimator/estimate.hpp"
+#include "plumbline/estimator/readout_filter.hpp"
 #include "plumbline/feature/view.hpp"
 #include "plumbline/geometry/pose_ransac.hpp"
 #include "plumbline/lie/plus.hpp"
@@ -47,6 +48,7 @@ struct EstimatorOptions {
   typename Backend::Options backend;
   typename Maps::Options features;
   RotationAlignmentOptions rotation;
+  ReadoutOptions readout;
   double max_prediction_s = 0.5;  ///< longer gaps are not bridged by constant velocity
   int min_landmarks = 15;         ///< to start with
   int max_lost_frames = 10;       ///< tried again against the last good frame before starting anew
@@ -66,7 +68,11 @@ class Estimator {
   using Options = EstimatorOptions<Backend, Maps>;
 
   explicit Estimator(const Sensors& rig, const Options& options = {})
-      : rig_(rig), options_(options), features_(options.features), backend_(options.backend) {}
+      : rig_(rig),
+        options_(options),
+        features_(options.features),
+        backend_(options.backend),
+        readout_(rig.vision.readout, options.readout) {}
 
   /// Uses one frame; its pixels are not needed after the call. An error leaves the estimator as it was.
   Result<Estimate<S>> add_frame(const Frame& frame) {
@@ -82,12 +88,15 @@ class Estimator {
     const double begin = TimeSource::now();
     timing_ = {};
     if (!pyramids_[1 - last_].build(frame.gray)) return Error::wrong_image_size;
-    const View<Sensors> view{rig_, pyramids_[last_], pyramids_[1 - last_], frame.depth, rig_.T_body_cam()};
+    View<Sensors> view{rig_, pyramids_[last_], pyramids_[1 - last_], frame.depth, rig_.T_body_cam(),
+                       {rig_.vision.camera, rig_.vision.height, readout_.readout().value_s, Vec<S, 3>::Zero()}};
 
     if (!started_) {
       start(view, frame.t_ns);
     } else {
-      track(view, predict(view, frame.t_ns));
+      const SE3<S> T_predicted = predict(view, frame.t_ns);
+      view.shutter.set_angular_rate(angular_rate(view, T_predicted, frame.t_ns));
+      track(view, T_predicted);
       timing_.track = TimeSource::now() - begin;
       const bool tracked = estimate(view, frame.t_ns);
       const double before_map = TimeSource::now();
@@ -105,6 +114,8 @@ class Estimator {
   const Maps& features() const { return features_; }
   const Backend& backend() const { return backend_; }
   const Sensors& rig() const { return rig_; }
+  /// What is known of the camera's readout time by now.
+  const Readout<S>& readout() const { return readout_.readout(); }
 
  private:
   static constexpr std::size_t thumbnail_pixels = decltype(Sensors::vision)::max_pixels >>
@@ -129,6 +140,12 @@ class Estimator {
     return SE3<S>(R_world_cam * best.R_cur_prev.inverse() * R_body_cam.inverse(), T.p());
   }
 
+  /// Mean angular rate of the camera [rad/s, camera] since the last frame.
+  Vec<S, 3> angular_rate(const View<Sensors>& view, const SE3<S>& T_world_body, TimeNs t_ns) const {
+    const S dt = S(seconds_between(estimate_.t_ns, t_ns));
+    return view.T_body_cam.rotation().inverse() * Vec<S, 3>(minus(T_world_body, T_good_).template head<3>() / dt);
+  }
+
   /// Follows all features and finds the rigid motion that most of them agree on.
   void track(const View<Sensors>& view, const SE3<S>& T_predicted) {
     features_.for_each([&](auto& map) { map.track(view, backend_.window(), T_good_, T_predicted); });
@@ -144,6 +161,7 @@ class Estimator {
     features_.for_each([&](auto& map) { map.align(view, backend_.window(), T); });
     if (!refine_motion(view, T, covariance)) return false;
     const S dt = S(seconds_between(estimate_.t_ns, t_ns));
+    if (!readout_.known()) estimate_readout(view, T, dt);
     velocity_ = minus(T, T_good_) / dt;
     if (lost_frames_ > 0) velocity_.setZero();
     publish(t_ns, T, covariance);
@@ -172,6 +190,15 @@ class Estimator {
     const BodyView<S> body(T, view.T_body_cam);
     for_each_motion([&](auto& map, auto& terms) { inliers += terms.gate(rig_, map, body, S(options.chi2_gate)); });
     return inliers >= options.min_inliers && system.covariance(covariance) && T.is_finite();
+  }
+
+  void estimate_readout(const View<Sensors>& view, const SE3<S>& T_world_body, S dt) {
+    DenseNormalEquations<S, 7> system;
+    const BodyView<S> body(T_world_body, view.T_body_cam);
+    for_each_motion([&](auto&, auto& terms) { terms.accumulate(rig_, body, system); });
+    const S before = readout_.readout().value_s;
+    readout_.update(system, dt);
+    features_.for_each([&](auto& map) { map.change_readout(readout_.readout().value_s - before); });
   }
 
   bool needs_keyframe() const {
@@ -274,6 +301,7 @@ class Estimator {
   Maps features_;
   typename Maps::template TupleOf<MotionTermsOf> motion_terms_;
   Backend backend_;
+  ReadoutFilter<S> readout_;
 
   bool started_ = false;
   int lost_frames_ = 0;

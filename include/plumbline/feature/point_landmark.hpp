@@ -17,7 +17,9 @@ namespace plumbline {
 template <class S>
 struct PointObservation {
   bool valid = false;
-  Vec<float, 2> uv = Vec<float, 2>::Zero();           ///< [px]
+  Vec<float, 2> pixel = Vec<float, 2>::Zero();        ///< in the image [px]
+  Vec<float, 2> uv = Vec<float, 2>::Zero();           ///< in the middle of the frame, see RollingShutter [px]
+  Vec<float, 2> uv_slope = Vec<float, 2>::Zero();     ///< d uv / d readout [px/s]
   Mat<float, 2, 2> L = Mat<float, 2, 2>::Identity();  ///< L^T L is the information of uv [1/px^2]
   InverseDepth<S> depth;                              ///< of the pixel, where the sensor has one
 };
@@ -40,6 +42,7 @@ struct PointLandmark {
   std::uint32_t id = 0;
   int anchor = 0;                                         ///< slot of the keyframe whose camera the bearing belongs to
   Vec<S, 3> bearing = Vec<S, 3>::UnitZ();                 ///< unit, anchor camera
+  Vec<S, 3> bearing_slope = Vec<S, 3>::Zero();            ///< d bearing / d readout [1/s]
   bool located = false;                                   ///< the inverse range is known
   S inverse_range = S(0);                                 ///< lambda [1/m]
   S sigma_inverse_range = S(0);                           ///< given the poses [1/m]

@@ -69,17 +69,20 @@ class PointMap {
     for (Landmark& landmark : landmarks_) {
       landmark.previous = landmark.current;
       if (!landmark.current.valid) continue;
-      const Vec<float, 2> uv = landmark.current.uv;
+      const Vec<float, 2> pixel = landmark.current.pixel;
       Vec<S, 3> p_cam;
       if (landmark.located) {
         p_cam = T_cam_world * p_world(landmark, window, view.T_body_cam);
       } else {
-        p_cam = R_cam_previous * view.rig.vision.camera.unproject(uv.template cast<S>()).bearing;
+        p_cam = R_cam_previous * view.rig.vision.camera.unproject(landmark.current.uv.template cast<S>()).bearing;
       }
       const Projection<S> predicted = view.rig.vision.camera.project(p_cam);
-      Vec<float, 2> guess = uv;
-      if (predicted.valid && inside(view, predicted.uv, 0)) guess = predicted.uv.template cast<float>();
-      const FlowResult flow = track_point_checked(view.previous, view.current, uv, guess, options_.flow);
+      Vec<float, 2> guess = pixel;
+      if (predicted.valid) {
+        const Vec<S, 2> seen = view.shutter.seen(predicted.uv);
+        if (inside(view, seen, 0)) guess = seen.template cast<float>();
+      }
+      const FlowResult flow = track_point_checked(view.previous, view.current, pixel, guess, options_.flow);
       observe(view, landmark, flow.valid, flow.uv);
     }
   }
@@ -97,7 +100,12 @@ class PointMap {
       if (!landmark.current.valid || !landmark.located) continue;
       const Unprojection<S> ray = camera.unproject(landmark.current.uv.template cast<S>());
       if (!ray.valid) continue;
-      correspondences_.push_back({ray.bearing, p_world(landmark, window, view.T_body_cam), sigma_rad});
+      PoseCorrespondence<S> correspondence{ray.bearing, p_world(landmark, window, view.T_body_cam), sigma_rad};
+      if (const InverseDepth<S>& depth = landmark.current.depth; depth.valid) {
+        correspondence.inverse_depth = depth.value;
+        correspondence.sigma_inverse_depth = std::hypot(depth.sigma, landmark.sigma_inverse_range);
+      }
+      correspondences_.push_back(correspondence);
       indices_.push_back(i);
     }
     const auto found = ransac_pose(correspondences_, (T_world_body * view.T_body_cam).inverse(), options);
@@ -127,12 +135,14 @@ class PointMap {
       if (!tracked && searches >= options_.max_searches) continue;
       const SE3<S> T_cam_anchor = T_cam_world * (window[landmark.anchor].pose.value() * view.T_body_cam);
       const Projection<S> predicted = view.rig.vision.camera.project(T_cam_anchor * landmark.p_anchor_cam());
-      if (!predicted.valid || !inside(view, predicted.uv, border_px)) continue;
+      if (!predicted.valid) continue;
+      const Vec<S, 2> seen = view.shutter.seen(predicted.uv);
+      if (!inside(view, seen, border_px)) continue;
       if (!tracked) ++searches;
       const typename Sensors::Camera& camera = view.rig.vision.camera;
       const Mat<float, 2, 2> A =
           affine_warp(camera, camera, landmark.bearing, S(1) / landmark.inverse_range, T_cam_anchor);
-      const Vec<float, 2> start = tracked ? landmark.current.uv : predicted.uv.template cast<float>();
+      const Vec<float, 2> start = tracked ? landmark.current.pixel : seen.template cast<float>();
       AlignmentOptions alignment = options_.alignment;
       alignment.coarse_start = !tracked;
       const Alignment aligned = align_patch(landmark.patch, A, view.current, start, alignment);
@@ -178,6 +188,16 @@ class PointMap {
 
   void clear() { landmarks_.clear(); }
 
+  /// The readout time of all images turned out to be `change_s` longer than thought.
+  void change_readout(S change_s) {
+    const auto shift = [change_s](PointObservation<S>& seen) { seen.uv += float(change_s) * seen.uv_slope; };
+    for (Landmark& landmark : landmarks_) {
+      landmark.bearing = (landmark.bearing + change_s * landmark.bearing_slope).normalized();
+      shift(landmark.current);
+      for (PointObservation<S>& seen : landmark.observations) shift(seen);
+    }
+  }
+
   /// Back to what the frame before saw, for a frame that could not be used.
   void undo_frame() {
     for (Landmark& landmark : landmarks_) landmark.current = landmark.previous;
@@ -188,7 +208,7 @@ class PointMap {
     for (const Landmark& landmark : landmarks_) {
       const PointObservation<S>& then = landmark.observations[static_cast<std::size_t>(slot)];
       if (!landmark.current.valid || !then.valid) continue;
-      sum_px += (landmark.current.uv - then.uv).norm();
+      sum_px += (landmark.current.pixel - then.pixel).norm();
       ++count;
     }
   }
@@ -214,16 +234,19 @@ class PointMap {
     return view.current.level(0).contains(float(uv.x()), float(uv.y()), border);
   }
 
-  void observe(const View<Sensors>& view, Landmark& landmark, bool valid, const Vec<float, 2>& uv) {
+  void observe(const View<Sensors>& view, Landmark& landmark, bool valid, const Vec<float, 2>& pixel) {
     landmark.current.valid = valid;
     if (!valid) {
       ++landmark.misses;
       return;
     }
     landmark.misses = 0;
-    landmark.current.uv = uv;
+    const typename RollingShutter<typename Sensors::Camera>::Still still = view.shutter.still(pixel.template cast<S>());
+    landmark.current.pixel = pixel;
+    landmark.current.uv = still.uv.template cast<float>();
+    landmark.current.uv_slope = still.uv_slope.template cast<float>();
     landmark.current.L = Mat<float, 2, 2>::Identity() / float(options_.sigma_flow_px);
-    if constexpr (Sensors::has_depth) landmark.current.depth = view.rig.vision.depth.at(view.depth, uv);
+    if constexpr (Sensors::has_depth) landmark.current.depth = view.rig.vision.depth.at(view.depth, pixel);
   }
 
   /// The inverse range of a landmark from the depth measured in keyframe `slot`.
@@ -247,7 +270,7 @@ class PointMap {
   void detect(const View<Sensors>& view, int slot) {
     FixedVector<Vec<float, 2>, Capacity> in_sight;
     for (const Landmark& landmark : landmarks_) {
-      if (landmark.current.valid) in_sight.push_back(landmark.current.uv);
+      if (landmark.current.valid) in_sight.push_back(landmark.current.pixel);
     }
     corners_.clear();
     detect_corners(view.current.level(0), in_sight.data(), in_sight.size(), options_.corners, corners_);
@@ -255,12 +278,13 @@ class PointMap {
     for (const Corner& corner : corners_) {
       if (missing <= 0 || landmarks_.full()) break;
       Landmark landmark;
-      const Unprojection<S> ray = view.rig.vision.camera.unproject(corner.uv.template cast<S>());
+      observe(view, landmark, true, corner.uv);
+      const Unprojection<S> ray = view.rig.vision.camera.unproject(landmark.current.uv.template cast<S>());
       if (!ray.valid || !landmark.patch.capture(view.current, corner.uv)) continue;
       landmark.id = next_id_++;
       landmark.anchor = slot;
       landmark.bearing = ray.bearing;
-      observe(view, landmark, true, corner.uv);
+      landmark.bearing_slope = view.shutter.bearing_slope(corner.uv.template cast<S>(), ray.bearing);
       landmark.observations[static_cast<std::size_t>(slot)] = landmark.current;
       if (landmark.current.depth.valid) {
         landmark.located = true;

@@ -6,6 +6,9 @@
 ///   sigma_lambda)^2 Sigma_uv^-1/2 = (I - c j j^T / |j|^2) L,  j = L J_uv_lambda sigma_lambda,  c = 1 - 1/sqrt(1 +
 ///   |j|^2)    (10)
 /// so that landmarks just found from one noisy depth do not outvote those seen for long.
+///
+/// The readout time of a rolling shutter moves observation and anchor (docs/math/rolling_shutter.md):
+///   dr_uv/d readout = J_uv_X dX/d readout - duv/d readout,   dX/d readout = R_wa (dbearing/d readout) / lambda
 
 #include <algorithm>
 #include <cmath>
@@ -37,26 +40,28 @@ class PointMotionTerms {
       if (!landmark.current.valid || !landmark.located) continue;
       const SE3<S> T_world_cam = window[landmark.anchor].pose.value() * view.T_body_cam;
       const Vec<S, 3> p_cam = landmark.p_anchor_cam();
-      points_.push_back(
-          {static_cast<int>(i), T_world_cam * p_cam,
-           T_world_cam.rotation() * Vec<S, 3>(p_cam * (landmark.sigma_inverse_range / landmark.inverse_range)),
-           landmark.current});
+      const Vec<S, 3> sigma_cam = p_cam * (landmark.sigma_inverse_range / landmark.inverse_range);
+      const Vec<S, 3> slope_cam = landmark.bearing_slope / landmark.inverse_range;
+      points_.push_back({static_cast<int>(i), T_world_cam * p_cam, T_world_cam.rotation() * sigma_cam,
+                         T_world_cam.rotation() * slope_cam, landmark.current});
     }
   }
 
   std::size_t size() const { return points_.size(); }
 
-  /// Adds the weighted rows at a pose.
-  void accumulate(const Sensors& rig, const BodyView<S>& view, DenseNormalEquations<S, 6>& system) const {
+  /// Adds the weighted rows at a pose; of pose and readout time where the system has seven parameters.
+  template <int Dim>
+  void accumulate(const Sensors& rig, const BodyView<S>& view, DenseNormalEquations<S, Dim>& system) const {
+    static_assert(Dim == 6 || Dim == 7);
     for (const Point& point : points_) {
       const Whitened whitened = whiten(rig, view, point);
       if (!whitened.valid) continue;
       const S s = whitened.r_uv.squaredNorm();
-      system.add(whitened.J_uv, whitened.r_uv, pixel_loss_.weight(s));
+      system.add(Mat<S, 2, Dim>(whitened.J_uv.template leftCols<Dim>()), whitened.r_uv, pixel_loss_.weight(s));
       system.add_cost(pixel_loss_.rho(s));
       if (!whitened.has_depth) continue;
       const S s_z = whitened.r_z.squaredNorm();
-      system.add(whitened.J_z, whitened.r_z, depth_loss_.weight(s_z));
+      system.add(Mat<S, 1, Dim>(whitened.J_z.template leftCols<Dim>()), whitened.r_z, depth_loss_.weight(s_z));
       system.add_cost(depth_loss_.rho(s_z));
     }
   }
@@ -90,14 +95,15 @@ class PointMotionTerms {
     int index;
     Vec<S, 3> p_world;
     Vec<S, 3> sigma_world;  ///< one standard deviation of the inverse range, as a move in the world
+    Vec<S, 3> slope_world;  ///< d p_world / d readout [m/s]
     PointObservation<S> seen;
   };
   struct Whitened {
     bool valid, has_depth;
     Vec<S, 2> r_uv;
-    Mat<S, 2, 6> J_uv;
+    Mat<S, 2, 7> J_uv;  ///< pose, readout
     Vec<S, 1> r_z;
-    Mat<S, 1, 6> J_z;
+    Mat<S, 1, 7> J_z;
   };
 
   Whitened whiten(const Sensors& rig, const BodyView<S>& view, const Point& point) const {
@@ -112,7 +118,8 @@ class PointMotionTerms {
     Mat<S, 2, 2> W = L;
     if (jj > S(1e-12)) W -= ((S(1) - S(1) / std::sqrt(S(1) + jj)) / jj) * j * (j.transpose() * L);  // (10)
     out.r_uv.noalias() = W * pixel.r;
-    out.J_uv.noalias() = W * pixel.J_r_pose;
+    out.J_uv.template leftCols<6>().noalias() = W * pixel.J_r_pose;
+    out.J_uv.col(6).noalias() = W * (pixel.J_r_point * point.slope_world - point.seen.uv_slope.template cast<S>());
     out.has_depth = point.seen.depth.valid;
     if (!out.has_depth) return out;
     const auto depth = PointInverseDepth<S>{point.seen.depth.value}.linearize(view, point.p_world);
@@ -121,7 +128,7 @@ class PointMotionTerms {
     const S j_z = depth.J_r_point.row(0).dot(point.sigma_world);
     const S w = S(1) / std::sqrt(point.seen.depth.sigma * point.seen.depth.sigma + j_z * j_z);
     out.r_z = w * depth.r;
-    out.J_z = w * depth.J_r_pose;
+    out.J_z << w * depth.J_r_pose, w * depth.J_r_point * point.slope_world;
     return out;
   }
 

@@ -121,14 +121,22 @@ class PointWindowTerms {
     }
   }
 
-  /// Gives `take` the rows of every landmark anchored in `slot`; residuals are those of the current state.
-  void for_each_anchored_in(int slot, const Sensors& rig, const Map& map, const Window& window, const Views& views,
-                            auto&& take) {
+  /// Gives `take` what would be lost with the keyframe in `slot`, landmark by landmark: all rows of those anchored in
+  /// it; of the others, which stay, the rows of their observation there, with an inverse range of its own. That
+  /// forgets how the observation refined the landmark, but not how it ties the two keyframes together. Residuals are
+  /// those of the current state.
+  void for_each_leaving(int slot, const Sensors& rig, const Map& map, const Window& window, const Views& views,
+                        auto&& take) {
     for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
       const Landmark& landmark = map.landmarks()[i];
-      if (landmark.anchor != slot || !takes_part(landmark)) continue;
-      rows_of(rig, landmark, window, views, eliminations_[i]);
-      take(std::as_const(eliminations_[i]));
+      if (!takes_part(landmark)) continue;
+      if (landmark.anchor == slot) {
+        rows_of(rig, landmark, window, views, eliminations_[i]);
+      } else {
+        eliminations_[i].reset();
+        if (landmark.observations[slot].valid) add_view(rig, landmark, slot, views, eliminations_[i]);
+      }
+      if (eliminations_[i].rows() > 0) take(std::as_const(eliminations_[i]));
     }
   }
 
@@ -139,6 +147,12 @@ class PointWindowTerms {
   struct RowsSummary {
     double cost = 0;
     S information = S(0);  ///< of the inverse range, given the poses
+
+    RowsSummary& operator+=(const RowsSummary& other) {
+      cost += other.cost;
+      information += other.information;
+      return *this;
+    }
   };
 
   static S square(S x) { return x * x; }
@@ -155,50 +169,53 @@ class PointWindowTerms {
                       Elimination& rows) const {
     rows.reset();
     RowsSummary sum;
+    for (int slot = 0; slot < slots; ++slot) {
+      if (!landmark.observations[slot].valid || !window[slot].used) continue;
+      sum += slot == landmark.anchor ? add_anchor(landmark, rows) : add_view(rig, landmark, slot, views, rows);
+    }
+    return sum;
+  }
+
+  /// The row of the depth measured in the anchor.
+  RowsSummary add_anchor(const Landmark& landmark, Elimination& rows) const {
+    const InverseDepth<S>& depth = landmark.observations[landmark.anchor].depth;
+    if (!depth.valid) return {};
+    const S r = anchor_depth_error(landmark) / depth.sigma;
+    const S w = std::sqrt(depth_loss_.weight(r * r));
+    const S J = w / (depth.sigma * landmark.bearing.z());
+    rows.template add<1>(Mat<S, 1, 1>(J), Vec<S, 1>(w * r));
+    return {depth_loss_.rho(r * r) / 2, J * J};
+  }
+
+  /// The rows of the observation in `slot`, another keyframe than the anchor.
+  RowsSummary add_view(const Sensors& rig, const Landmark& landmark, int slot, const Views& views,
+                       Elimination& rows) const {
     const int anchor = landmark.anchor;
     const S lambda = landmark.inverse_range;
-    for (int slot = 0; slot < slots; ++slot) {
-      const PointObservation<S>& seen = landmark.observations[slot];
-      if (!seen.valid || !window[slot].used) continue;
-      if (slot == anchor) {
-        if (!seen.depth.valid) continue;
-        const S r = anchor_depth_error(landmark) / seen.depth.sigma;
-        const S w = std::sqrt(depth_loss_.weight(r * r));
-        sum.cost += depth_loss_.rho(r * r) / 2;
-        const S J = w / (seen.depth.sigma * landmark.bearing.z());
-        sum.information += J * J;
-        rows.template add<1>(Mat<S, 1, 1>(J), Vec<S, 1>(w * r));
-        continue;
-      }
-      const Vec<S, 3> p = views.current(anchor, slot).scaled_point(landmark.bearing, lambda);
-      const Projection<S> projection = rig.vision.camera.project(p);
-      const InverseDepthReprojection<typename Sensors::Camera> reprojection{seen.uv.template cast<S>()};
-      auto pixel = reprojection.linearize(rig.vision.camera, views.linear(anchor, slot), landmark.bearing, lambda);
-      if (!projection.valid || !pixel.valid) {
-        sum.cost += invalid_cost;
-        continue;
-      }
-      const Mat<S, 2, 2> L = seen.L.template cast<S>();
-      pixel.r = whitened(seen, projection.uv);
-      pixel.J_r_anchor = L * pixel.J_r_anchor;
-      pixel.J_r_target = L * pixel.J_r_target;
-      pixel.J_r_lambda = L * pixel.J_r_lambda;
-      const S s = pixel.r.squaredNorm();
-      sum.cost += pixel_loss_.rho(s) / 2;
-      const S w = std::sqrt(pixel_loss_.weight(s));
-      sum.information += square(w) * pixel.J_r_lambda.squaredNorm();
-      add(rows, anchor, slot, pixel, w);
-      if (!seen.depth.valid) continue;
-      auto depth =
-          InverseDepthMeasurement<S>{seen.depth.value}.linearize(views.linear(anchor, slot), landmark.bearing, lambda);
-      if (!depth.valid) continue;
-      depth.r(0) = lambda / p.z() - seen.depth.value;
-      const S s_z = square(depth.r(0) / seen.depth.sigma);
-      sum.cost += depth_loss_.rho(s_z) / 2;
-      const S w_z = std::sqrt(depth_loss_.weight(s_z)) / seen.depth.sigma;
-      sum.information += square(w_z * depth.J_r_lambda(0));
-      add(rows, anchor, slot, depth, w_z);
-    }
+    const PointObservation<S>& seen = landmark.observations[slot];
+    const Vec<S, 3> p = views.current(anchor, slot).scaled_point(landmark.bearing, lambda);
+    const Projection<S> projection = rig.vision.camera.project(p);
+    const InverseDepthReprojection<typename Sensors::Camera> reprojection{seen.uv.template cast<S>()};
+    auto pixel = reprojection.linearize(rig.vision.camera, views.linear(anchor, slot), landmark.bearing, lambda);
+    if (!projection.valid || !pixel.valid) return {invalid_cost, S(0)};
+    const Mat<S, 2, 2> L = seen.L.template cast<S>();
+    pixel.r = whitened(seen, projection.uv);
+    pixel.J_r_anchor = L * pixel.J_r_anchor;
+    pixel.J_r_target = L * pixel.J_r_target;
+    pixel.J_r_lambda = L * pixel.J_r_lambda;
+    const S s = pixel.r.squaredNorm();
+    const S w = std::sqrt(pixel_loss_.weight(s));
+    RowsSummary sum{pixel_loss_.rho(s) / 2, square(w) * pixel.J_r_lambda.squaredNorm()};
+    add(rows, anchor, slot, pixel, w);
+    if (!seen.depth.valid) return sum;
+    auto depth =
+        InverseDepthMeasurement<S>{seen.depth.value}.linearize(views.linear(anchor, slot), landmark.bearing, lambda);
+    if (!depth.valid) return sum;
+    depth.r(0) = lambda / p.z() - seen.depth.value;
+    const S s_z = square(depth.r(0) / seen.depth.sigma);
+    const S w_z = std::sqrt(depth_loss_.weight(s_z)) / seen.depth.sigma;
+    sum += {depth_loss_.rho(s_z) / 2, square(w_z * depth.J_r_lambda(0))};
+    add(rows, anchor, slot, depth, w_z);
     return sum;
   }
 

@@ -7,6 +7,7 @@
 #include "plumbline/image/pyramid.hpp"
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/sensor/rig.hpp"
+#include "plumbline/sensor/rolling_shutter.hpp"
 
 namespace plumbline {
 
@@ -21,6 +22,7 @@ struct View {
   const RigPyramid<Sensors>& current;
   ImageView<const std::uint16_t> depth;  ///< of the current frame; empty without a depth sensor or depth image
   SE3<typename Sensors::Scalar> T_body_cam;
+  RollingShutter<typename Sensors::Camera> shutter;  ///< of the current frame
 };
 
 }  // namespace plumbline

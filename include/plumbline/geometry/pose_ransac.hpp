@@ -1,10 +1,12 @@
 #pragma once
 /// Camera pose from bearings of known points with outliers: MSAC over P3P, then Gauss-Newton.   docs/math/geometry.md 2
 ///
-///   cost(T) = sum_i min(e_i^2 / sigma_i^2, chi2),  e = |b x p| / |p| = sin of the angle, p = T_cam_world p_world  (5)
+///   cost(T) = sum_i min(e_i^2 / sigma_i^2, chi2) + min(d_i^2 / sigma_d^2, chi2),  p = T_cam_world p_world           (5)
+///   e = |b x p| / |p|  = sin of the angle;  d = 1/p_z - measured, for points whose depth was measured
 ///   n(w)    = log(1 - confidence) / log(1 - w^3) samples, w = the best inlier ratio so far                       (6)
 ///   r = p/|p| - b,  J_r_T = (I - n n^T)/|p| [-R [p_world]x, R],  n = p/|p|                                        (7)
-/// The prior pose is the first hypothesis. The same input gives the same output.
+/// Bearings alone decide who is an inlier; depth tells poses apart that see the same bearings (few points, or all on a
+/// plane). The prior pose is the first hypothesis. The same input gives the same output.
 
 #include <algorithm>
 #include <array>
@@ -30,6 +32,8 @@ struct PoseCorrespondence {
   Vec<S, 3> bearing;  ///< unit, camera frame
   Vec<S, 3> p_world;  ///< [m]
   S sigma_rad;        ///< angular noise of the bearing
+  S inverse_depth = S(0);        ///< measured 1/z [1/m]
+  S sigma_inverse_depth = S(0);  ///< [1/m]; 0 where no depth was measured
 };
 
 struct PoseRansacOptions {
@@ -79,6 +83,10 @@ S cost(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondences, cons
     const S gate = c.sigma_rad * c.sigma_rad * p.squaredNorm(), error = c.bearing.cross(p).squaredNorm();
     const bool inlier = error < chi2 * gate && c.bearing.dot(p) > 0;  // false for NaN
     sum += inlier ? error / gate : chi2;
+    if (c.sigma_inverse_depth > S(0)) {
+      const S d = (S(1) / p.z() - c.inverse_depth) / c.sigma_inverse_depth;
+      sum += d * d < chi2 ? d * d : chi2;
+    }
     if (marked) {
       marked->inlier[i] = inlier;
       marked->inliers += inlier;
@@ -101,6 +109,14 @@ SE3<S> refine(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondence
       if (!(weight * error.r.squaredNorm() < widening * chi2)) continue;
       H.noalias() += weight * error.J_r_T.transpose() * error.J_r_T;
       g.noalias() += weight * error.J_r_T.transpose() * error.r;
+      if (!(c.sigma_inverse_depth > S(0))) continue;
+      const S z = R.row(2).dot(c.p_world) + T_cam_world.p().z(), slope = S(-1) / (z * z * c.sigma_inverse_depth);
+      const S d = (S(1) / z - c.inverse_depth) / c.sigma_inverse_depth;
+      if (!(d * d < widening * chi2)) continue;
+      Vec<S, 6> J;
+      J << slope * -R.row(2).transpose().cross(c.p_world), slope * R.row(2).transpose();
+      H.noalias() += J * J.transpose();
+      g.noalias() += J * d;
     }
     const Eigen::LDLT<Mat<S, 6, 6>> ldlt(H);
     const Vec<S, 6> d = ldlt.solve(-g);

@@ -7,6 +7,7 @@
 #include "plumbline/camera/camera_model.hpp"
 #include "plumbline/core/time.hpp"
 #include "plumbline/image/image_view.hpp"
+#include "plumbline/sensor/rolling_shutter.hpp"
 
 namespace plumbline {
 
@@ -26,6 +27,7 @@ struct Mono {
   Camera camera;
   int width = 0;   ///< [px] of every image
   int height = 0;  ///< [px]
+  Readout<Scalar> readout;  ///< a global shutter unless said
 };
 
 }  // namespace plumbline

@@ -8,6 +8,7 @@
 #include "plumbline/core/time.hpp"
 #include "plumbline/image/image_view.hpp"
 #include "plumbline/sensor/depth_sensor.hpp"
+#include "plumbline/sensor/rolling_shutter.hpp"
 
 namespace plumbline {
 
@@ -29,6 +30,7 @@ struct Rgbd {
   int width = 0;   ///< [px] of every image
   int height = 0;  ///< [px]
   DepthSensor<Scalar> depth;
+  Readout<Scalar> readout{Scalar(0), Scalar(0.02)};  ///< most depth cameras roll and do not say how fast
 };
 
 }  // namespace plumbline

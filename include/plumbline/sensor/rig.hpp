@@ -6,6 +6,7 @@
 
 #include "plumbline/camera/camera_model.hpp"
 #include "plumbline/lie/se3.hpp"
+#include "plumbline/sensor/rolling_shutter.hpp"
 
 namespace plumbline {
 
@@ -42,6 +43,7 @@ concept VisionSensor = CameraModel<typename V::Camera> && requires(const V& visi
   { V::has_depth } -> std::convertible_to<bool>;
   { vision.width } -> std::convertible_to<int>;
   { vision.height } -> std::convertible_to<int>;
+  { vision.readout } -> std::convertible_to<Readout<typename V::Scalar>>;
 };
 
 template <class R>
