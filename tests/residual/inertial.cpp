@@ -1,5 +1,6 @@
 #include "plumbline/residual/inertial.hpp"
 
+#include <Eigen/Cholesky>
 #include <limits>
 #include <type_traits>
 

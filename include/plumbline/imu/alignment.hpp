@@ -14,7 +14,6 @@
 /// Metric vision has the row lambda = 1. Rows are whitened by the increment's covariance plus that of the poses.
 /// 4. gravity in `ref` gives the world's attitude, (2), without yaw of the first body
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -24,6 +23,7 @@
 #include "plumbline/core/assert.hpp"
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/core/square_root_information.hpp"
 #include "plumbline/imu/alignment_frame.hpp"
 #include "plumbline/imu/gravity.hpp"
 #include "plumbline/imu/gyro_bias.hpp"
@@ -108,7 +108,7 @@ double excitation(std::span<const AlignmentFrame<P>> frames, const SO3<double>& 
   return std::sqrt(squared / n);
 }
 
-/// The rows (7) of one interval, about the increment's own accelerometer bias.
+/// The rows (7) of one interval, false when its covariance is none; about the increment's own accelerometer bias.
 template <int MaxFrames, class P>
 bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chain, const AlignmentFrame<P>& begin,
                         const AlignmentFrame<P>& end, const SE3<double>& T_body_cam, double lambda,
@@ -138,12 +138,10 @@ bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chai
   variance.diagonal().array() += 1e-12;
   variance *= lambda * lambda;
   variance.diagonal().head<3>().array() += 2 * options.position_sigma * options.position_sigma;
-  const Eigen::LLT<Mat<double, 6, 6>> whiten(variance);
-  whiten.matrixL().solveInPlace(A_begin);
-  whiten.matrixL().solveInPlace(A_end);
-  whiten.matrixL().solveInPlace(B);
-  whiten.matrixL().solveInPlace(c);
-  return chain.add_interval(A_begin, A_end, B, c);
+  const Result<Mat<double, 6, 6>> L = square_root_information(variance);
+  if (!L) return false;
+  chain.add_interval(*L * A_begin, *L * A_end, *L * B, *L * c);
+  return true;
 }
 
 }  // namespace detail
@@ -196,8 +194,10 @@ Alignment<typename P::Scalar, MaxFrames> align(std::span<const AlignmentFrame<P>
       row[Unknowns::lambda] = -options.gravity;
       chain.add_common_row(on_sphere / lambda * row, 0);
     }
-    for (std::size_t k = 1; k < frames.size(); ++k)
-      detail::add_alignment_rows(chain, frames[k - 1], frames[k], T_body_camera, lambda, options);
+    for (std::size_t k = 1; k < frames.size(); ++k) {
+      if (!detail::add_alignment_rows(chain, frames[k - 1], frames[k], T_body_camera, lambda, options))
+        return stop(AlignmentOutcome::scale_uncertain);
+    }
     if (!chain.solve()) return stop(AlignmentOutcome::scale_uncertain);
     g = chain.common().template head<3>() / chain.common()[Unknowns::lambda];
     lambda = std::abs(chain.common()[Unknowns::lambda]);

@@ -5,7 +5,7 @@
 ///   (sum J^T W J) db = sum J^T W e_k,   J = J_R_g,  W = (S_phi + 2 sigma^2 I)^-1                                  (5)
 /// Three rounds, integrating again in between.
 
-#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -51,9 +51,8 @@ GyroBias estimate_gyro_bias(std::span<const AlignmentFrame<P>> frames, const SO3
     }
     out.residual = std::sqrt(squared / static_cast<double>(frames.size() - 1));
     if (round == rounds) break;
-    const Eigen::LDLT<Mat<double, 3, 3>> solver(H);
-    out.bias = solver.solve(b);
-    if (!(solver.vectorD().minCoeff() > 0) || !out.bias.allFinite()) return out;
+    out.bias = H.inverse() * b;
+    if (!out.bias.allFinite()) return out;
     for (std::size_t k = 1; k < frames.size(); ++k)
       frames[k].imu->reintegrate(out.bias.template cast<S>(), frames[k].imu->increment().bias_accel);
   }

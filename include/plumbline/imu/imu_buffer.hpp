@@ -2,7 +2,7 @@
 /// The newest inertial samples, and what they say about the time between two images.           docs/math/imu.md
 ///
 /// What arrives:
-///   not finite                          refused (Error::not_finite)
+///   not finite, no possible time        refused (Error::not_finite): NaN, or more than 126 years from the clock's zero
 ///   repeated or late time stamp         refused (Error::late_sample): not after the newest sample
 ///   a jump of more than `max_jump_s`    the clock was set, forward or back: the buffer starts anew with this sample
 ///   beyond full scale                   clipped to it, marked saturated
@@ -115,15 +115,17 @@ class ImuBuffer {
 
 template <std::size_t Capacity>
 Result<typename ImuBuffer<Capacity>::Accepted> ImuBuffer<Capacity>::add(const ImuSample& sample) {
-  if (!sample.gyro.allFinite() || !sample.accel.allFinite()) {
+  constexpr TimeNs possible_ns = 4'000'000'000'000'000'000;  // differences fit into 64 bits
+  if (!sample.gyro.allFinite() || !sample.accel.allFinite() || sample.t_ns < -possible_ns ||
+      sample.t_ns > possible_ns) {
     ++counts_.not_finite;
     return Error::not_finite;
   }
   Accepted out;
   if (!empty()) {
-    const double step_s = (static_cast<double>(sample.t_ns) - static_cast<double>(items_.back().sample.t_ns)) * 1e-9;
+    const double step_s = seconds_between(items_.back().sample.t_ns, sample.t_ns);
     out.clock_jumped = !(std::abs(step_s) <= options_.max_jump_s);
-    if (!out.clock_jumped && sample.t_ns <= items_.back().sample.t_ns) {
+    if (!out.clock_jumped && !(step_s > 0)) {
       ++counts_.late;
       return Error::late_sample;
     }

@@ -10,11 +10,11 @@
 ///   dR^ = dR Exp(J_R_g dbg),   dv^ = dv + J_v_g dbg + J_v_a dba,   dp^ = dp + J_p_g dbg + J_p_a dba             (7)
 /// dR, dv, dp hold no gravity: they are relative to the free fall that starts with the state at i.
 
-#include <Eigen/Cholesky>
 #include <concepts>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/result.hpp"
+#include "plumbline/core/square_root_information.hpp"
 #include "plumbline/imu/interval.hpp"
 #include "plumbline/imu/nav_state.hpp"
 #include "plumbline/imu/noise.hpp"
@@ -73,11 +73,7 @@ struct ImuIncrement {
     Mat<S, 15, 15> floored = covariance;
     floored.diagonal().template head<9>().array() += S(1e-12);
     floored.diagonal().template tail<6>().array() += S(1e-14);
-    const Eigen::LLT<Mat<S, 15, 15>> cholesky(floored);
-    if (!floored.allFinite() || cholesky.info() != Eigen::Success) return Error::not_positive_definite;
-    Mat<S, 15, 15> L = Mat<S, 15, 15>::Identity();
-    cholesky.matrixL().solveInPlace(L);
-    return L;
+    return plumbline::square_root_information(floored);
   }
 };
 
@@ -112,13 +108,13 @@ void ImuIncrement<S>::integrate(const ImuInterval<S>& interval, const ImuNoise& 
   white << Vec<S, 3>::Constant(squared(S(noise.gyro_density)) / dt + squared(interval.gyro_sigma)),
       Vec<S, 3>::Constant(squared(S(noise.accel_density)) / dt + squared(interval.accel_sigma));
   walk << Vec<S, 3>::Constant(squared(S(noise.gyro_walk)) * dt), Vec<S, 3>::Constant(squared(S(noise.accel_walk)) * dt);
-  const Mat<S, 9, 15> FS = F * covariance;  // (5)
-  const Mat<S, 9, 9> S9 = FS * F.transpose() + B * white.asDiagonal() * B.transpose();
+  const Mat<S, 9, 15> FS = F.lazyProduct(covariance);  // (5); lazy: Eigen's large products are not free of a heap
+  const Mat<S, 9, 9> S9 = FS.lazyProduct(F.transpose()) + (B * white.asDiagonal()).lazyProduct(B.transpose());
   covariance.template topLeftCorner<9, 9>() = S(0.5) * (S9 + S9.transpose());
   covariance.template topRightCorner<9, 6>() = FS.template rightCols<6>();
   covariance.template bottomLeftCorner<6, 9>() = FS.template rightCols<6>().transpose();
   covariance.diagonal().template tail<6>() += walk;
-  const Mat<S, 9, 6> FJ = F.template leftCols<9>() * J_delta_bias;
+  const Mat<S, 9, 6> FJ = F.template leftCols<9>().lazyProduct(J_delta_bias);
   J_delta_bias = FJ + B;
 }
 

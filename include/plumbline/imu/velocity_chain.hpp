@@ -1,13 +1,12 @@
 #pragma once
-/// Linear least squares over a chain of velocities V_0 .. V_K and a few numbers x common to all of it, solved by
-/// orthogonal elimination from the front: memory and time are linear in K.            docs/math/initialization.md
+/// Linear least squares over a chain of velocities V_0 .. V_K and a few numbers x common to all of it: each row is
+/// rotated into a triangle over (V_k, V_{k+1}, x | rhs), and V_k leaves it when its rows are complete. Memory and time
+/// are linear in K, no square of the condition number.                                docs/math/initialization.md
 ///
-///   [ carry              0        carry | carry ]         [ R_k  .    .  | .  ]  kept for V_k
-///   [ A_k                A_{k+1}  B     | c     ]  = Q    [  0   carry        ]  over (V_{k+1}, x | rhs)          (6)
-///     V_k                V_{k+1}  x       rhs
+///   Givens:  [c s; -s c] [R_cc; row_c] = [sqrt(R_cc^2 + row_c^2); 0]  for each column c                          (6)
 
-#include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "plumbline/core/assert.hpp"
@@ -20,76 +19,99 @@ namespace plumbline {
 template <int MaxFrames, int N>
 class VelocityChain {
  public:
-  using Common = Vec<double, N>;
-
   /// No rows, no intervals.
   void clear() {
-    carry_.setZero();
-    common_rows_ = 0;
+    R_.setZero();
     eliminated_.clear();
   }
 
-  /// Rows about x alone come first, at most N + 4 of them: row x = rhs.
+  /// row x = rhs
   void add_common_row(const Mat<double, 1, N>& row, double rhs) {
-    PLUMBLINE_ASSERT(common_rows_ < N + 4 && eliminated_.empty());
-    carry_.row(common_rows_++) << 0, 0, 0, row, rhs;
+    Row full;
+    full << Mat<double, 1, 6>::Zero(), row, rhs;
+    rotate_in(full);
   }
 
-  /// Six rows A_k V_k + A_{k+1} V_{k+1} + B x = c of the next interval. False when there is no room.
-  bool add_interval(const Mat<double, 6, 3>& A_begin, const Mat<double, 6, 3>& A_end, const Mat<double, 6, N>& B,
+  /// A_begin V_k + A_end V_{k+1} + B x = c of the next interval.
+  void add_interval(const Mat<double, 6, 3>& A_begin, const Mat<double, 6, 3>& A_end, const Mat<double, 6, N>& B,
                     const Vec<double, 6>& c) {
-    Mat<double, N + 10, N + 7> stacked;
-    stacked.template topRows<N + 4>() << carry_.template leftCols<3>(), Mat<double, N + 4, 3>::Zero(),
-        carry_.template rightCols<N + 1>();
-    stacked.template bottomRows<6>() << A_begin, A_end, B, c;
-    const Eigen::HouseholderQR<Mat<double, N + 10, N + 7>> qr(stacked);  // (6)
-    const Mat<double, N + 7, N + 7> R = qr.matrixQR().template topRows<N + 7>().template triangularView<Eigen::Upper>();
-    carry_ = R.template bottomRightCorner<N + 4, N + 4>();
-    return eliminated_.push_back(R.template topRows<3>());
+    PLUMBLINE_ASSERT(!eliminated_.full());
+    for (int i = 0; i < 6; ++i) {
+      Row row;
+      row << A_begin.row(i), A_end.row(i), B.row(i), c[i];
+      rotate_in(row);
+    }
+    eliminated_.push_back(R_.template topRows<3>());
+    const Mat<double, 3, columns> next = R_.template middleRows<3>(3);
+    R_.template topRows<6>().setZero();
+    R_.template block<3, 3>(0, 0) = next.template middleCols<3>(3);
+    R_.template block<3, N + 1>(0, 6) = next.template rightCols<N + 1>();
   }
 
   /// The minimum. False when anything is not determined: a pivot is lost in the rounding of the largest one.
   bool solve() {
-    double smallest = carry_.diagonal().template head<N + 3>().cwiseAbs().minCoeff();
-    double largest = carry_.diagonal().template head<N + 3>().cwiseAbs().maxCoeff();
-    for (const Mat<double, 3, N + 7>& row : eliminated_) {
-      smallest = std::min(smallest, row.diagonal().cwiseAbs().minCoeff());
-      largest = std::max(largest, row.diagonal().cwiseAbs().maxCoeff());
+    Vec<double, N + 3> pivots;
+    pivots << R_.diagonal().template head<3>(), R_.diagonal().template segment<N>(6);
+    double smallest = pivots.cwiseAbs().minCoeff(), largest = pivots.cwiseAbs().maxCoeff();
+    for (const Mat<double, 3, columns>& rows : eliminated_) {
+      smallest = std::min(smallest, rows.diagonal().cwiseAbs().minCoeff());
+      largest = std::max(largest, rows.diagonal().cwiseAbs().maxCoeff());
     }
     if (!(smallest > 1e-13 * largest)) return false;
-    const Mat<double, N, N> R = carry_.template block<N, N>(3, 3);
-    const Mat<double, N, N> R_inverse =
-        R.template triangularView<Eigen::Upper>().solve(Mat<double, N, N>::Identity().eval());
-    common_ = R_inverse * carry_.template block<N, 1>(3, N + 3);
-    covariance_ = R_inverse * R_inverse.transpose();
-    cost_ = carry_(N + 3, N + 3) * carry_(N + 3, N + 3);
+    const Mat<double, N, N> R_x = R_.template block<N, N>(6, 6);
+    common_ = back_substitute<N>(R_x, R_.template block<N, 1>(6, columns - 1));
+    Mat<double, N, N> inverse;
+    for (int i = 0; i < N; ++i) inverse.col(i) = back_substitute<N>(R_x, Vec<double, N>::Unit(i));
+    covariance_ = inverse.lazyProduct(inverse.transpose());
 
-    Mat<double, 3, 3> R_v = carry_.template topLeftCorner<3, 3>();
-    Vec<double, 3> rhs = carry_.template block<3, 1>(0, N + 3) - carry_.template block<3, N>(0, 3) * common_;
+    Mat<double, 3, columns> rows = R_.template topRows<3>();
     for (int k = int(eliminated_.size());; --k) {
-      velocities_.col(k) = R_v.template triangularView<Eigen::Upper>().solve(rhs);
+      Vec<double, 3> rhs = rows.template rightCols<1>() - rows.template block<3, N>(0, 6).lazyProduct(common_);
+      if (k < int(eliminated_.size())) rhs -= rows.template middleCols<3>(3) * velocities_.col(k + 1);
+      velocities_.col(k) = back_substitute<3>(rows.template leftCols<3>(), rhs);
       if (k == 0) break;
-      const Mat<double, 3, N + 7>& row = eliminated_[std::size_t(k) - 1];
-      R_v = row.template leftCols<3>();
-      rhs = row.template rightCols<1>() - row.template block<3, 3>(0, 3) * velocities_.col(k) -
-            row.template block<3, N>(0, 6) * common_;
+      rows = eliminated_[std::size_t(k) - 1];
     }
     return common_.allFinite();
   }
 
-  const Common& common() const { return common_; }
+  const Vec<double, N>& common() const { return common_; }             ///< x
   const Mat<double, N, N>& covariance() const { return covariance_; }  ///< of x
-  double cost() const { return cost_; }                                ///< sum of squared residuals
   Vec<double, 3> velocity(int k) const { return velocities_.col(k); }
+  /// Sum of squared residuals.
+  double cost() const { return R_(columns - 1, columns - 1) * R_(columns - 1, columns - 1); }
 
  private:
-  Mat<double, N + 4, N + 4> carry_ = Mat<double, N + 4, N + 4>::Zero();  // over (V_k, x | rhs)
-  int common_rows_ = 0;
-  FixedVector<Mat<double, 3, N + 7>, std::size_t(MaxFrames) - 1> eliminated_;
+  static constexpr int columns = N + 7;  // V_k, V_{k+1}, x | rhs
+  using Row = Mat<double, 1, columns>;
+  using Triangle = Eigen::Matrix<double, columns, columns, Eigen::RowMajor>;
+
+  void rotate_in(Row& row) {
+    for (int c = 0; c < columns; ++c) {
+      const double length = std::hypot(R_(c, c), row[c]);
+      if (length == 0) continue;
+      const double cosine = R_(c, c) / length, sine = row[c] / length;
+      const Row upper = R_.row(c);
+      R_.row(c) = cosine * upper + sine * row;  // (6)
+      row = cosine * row - sine * upper;
+      row[c] = 0;
+    }
+  }
+
+  template <int M>
+  static Vec<double, M> back_substitute(const Mat<double, M, M>& R, Vec<double, M> x) {
+    for (int i = M - 1; i >= 0; --i) {
+      x[i] /= R(i, i);
+      x.head(i) -= x[i] * R.col(i).head(i);
+    }
+    return x;
+  }
+
+  Triangle R_ = Triangle::Zero();
+  FixedVector<Mat<double, 3, columns>, std::size_t(MaxFrames) - 1> eliminated_;
   Mat<double, 3, MaxFrames> velocities_;  // a column each
-  Common common_;
+  Vec<double, N> common_;
   Mat<double, N, N> covariance_;
-  double cost_ = 0;
 };
 
 }  // namespace plumbline

@@ -32,9 +32,9 @@ struct InertialResidual {
 
     /// By L of `ImuIncrement::square_root_information`.
     void whiten(const Mat<S, 15, 15>& L) {
-      r = (L.template triangularView<Eigen::Lower>() * r).eval();
-      J_r_i = (L.template triangularView<Eigen::Lower>() * J_r_i).eval();
-      J_r_j = (L.template triangularView<Eigen::Lower>() * J_r_j).eval();
+      r = L.lazyProduct(r).eval();  // lazy: Eigen's large products are not free of a heap
+      J_r_i = L.lazyProduct(J_r_i).eval();
+      J_r_j = L.lazyProduct(J_r_j).eval();
     }
   };
 
