@@ -155,6 +155,29 @@ TEST_CASE("line_tracking: an occlusion cuts the segment, or splits it and the lo
   REQUIRE(grown.segment.end.x() < 263);
 }
 
+TEST_CASE("line_tracking: a long edge is sampled coarsely and still cut and split where it is hidden") {
+  const Quadrilateral shape = Quadrilateral::rectangle(Vec2f(320, 240), 560, 200, 0.1f);
+  cv::Mat drawn(480, 640, CV_32F, cv::Scalar(90)), hidden;
+  testing::draw(drawn, shape, 60);
+  hidden = drawn.clone();
+  testing::cover(hidden, Quadrilateral::rectangle(shape.edge(0).centre() + Vec2f(60, 0), 110, 60, 0.4f), 20);
+  drawn.convertTo(drawn, CV_8U);
+  hidden.convertTo(hidden, CV_8U);
+  const Frame before(testing::with_noise(drawn, 2, 1)), after(testing::with_noise(drawn, 2, 2)),
+      split(testing::with_noise(hidden, 2, 3));
+  LineSegment segment = shape.edge(0);
+  segment.gradient = 20;
+  LineSegment guess{segment.start + Vec2f(3, 4), segment.end + Vec2f(-2, -3), 20};
+  const TrackedLine whole = track(before, after, segment, guess);
+  REQUIRE(whole.valid);
+  REQUIRE(line_error(whole.segment, segment) < 0.2f);
+  REQUIRE(whole.segment.length() == Approx(560).margin(8));
+  const TrackedLine part = track(before, split, segment, guess);
+  REQUIRE(part.valid);
+  REQUIRE(line_error(part.segment, segment) < 0.3f);
+  REQUIRE(part.segment.length() == Approx(280).margin(15));
+}
+
 TEST_CASE("line_tracking: an edge that is gone, out of the image or not a number") {
   const Quadrilateral shape = Quadrilateral::rectangle(Vec2f(160, 120), 110, 70, 0.3f);
   const Frame before(drawing({{shape, 60}}, 1)), empty(drawing({}, 2));

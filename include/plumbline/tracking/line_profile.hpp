@@ -30,7 +30,7 @@ struct LineProfile {
 /// Averages over at most 24 places along the segment; those too near to the image's edge are left out.
 inline LineProfile profile_of(const ImageView<const std::uint8_t>& image, const LineSegment& segment) {
   const Vec<float, 2> normal = segment.normal(), extent = segment.end - segment.start;
-  const int places = std::clamp(static_cast<int>(segment.length() / 4), 4, 24);
+  const int places = std::max(4, static_cast<int>(std::min(24.0f, segment.length() / 4)));  // 24 for NaN
   LineProfile out;
   int n = 0;
   for (int k = 0; k < places; ++k) {

@@ -54,6 +54,8 @@ class LineTracker {
   TrackedLine track(const EdgeMap<MaxPixels>& edges, const ImageView<const std::uint8_t>& image,
                     const LineProfile& profile, const LineSegment& guess, const LineTrackingOptions& options) {
     TrackedLine out;
+    length_ = guess.length();
+    if (!(length_ > 1.0f && length_ < max_length_px && guess.gradient > 0)) return out;  // false for NaN too
     sample(edges, guess, options);
     const Offset offset = vote(options);
     if (!(offset.score > 0)) return out;
@@ -67,7 +69,7 @@ class LineTracker {
 
  private:
   static constexpr int max_samples = 24, max_per_sample = 4, max_search_px = 60;
-  static constexpr float sample_spacing_px = 3;
+  static constexpr float min_spacing_px = 3, max_length_px = 1e5f;
 
   /// An edge on the normal through a sample.
   struct Candidate {
@@ -88,12 +90,11 @@ class LineTracker {
   void sample(const Edges& edges, const LineSegment& guess, const LineTrackingOptions& options) {
     candidates_.clear();
     const Vec<float, 2> centre = guess.centre(), direction = guess.direction(), normal = guess.normal();
-    const float length = guess.length();
-    samples_ = std::clamp(static_cast<int>(length / sample_spacing_px), 6, max_samples);
+    samples_ = std::clamp(static_cast<int>(length_ / min_spacing_px), 6, max_samples);
     const float lowest = guess.gradient / options.max_slope_ratio, highest = guess.gradient * options.max_slope_ratio;
     const int range = std::clamp(static_cast<int>(options.search_px), 1, max_search_px);
     for (int k = 0; k < samples_; ++k) {
-      const float along = length * ((static_cast<float>(k) + 0.5f) / static_cast<float>(samples_) - 0.5f);
+      const float along = length_ * ((static_cast<float>(k) + 0.5f) / static_cast<float>(samples_) - 0.5f);
       const Vec<float, 2> at = centre + along * direction;
       inside_[static_cast<std::size_t>(k)] = edges.contains(at);
       edges.aligned_slopes(at, normal, range + 1, slopes_.data());
@@ -101,8 +102,9 @@ class LineTracker {
       for (int i = 0; i <= 2 * range && found < max_per_sample; ++i) {  // 0, 1, -1, 2, -2 ...
         const int j = i % 2 == 0 ? -i / 2 : (i + 1) / 2;
         const float* const slope = slopes_.data() + range + 1 + j;
-        if (!(*slope > lowest && *slope<highest&& * slope> slope[-1] && *slope >= slope[1])) continue;
-        const float weight = std::min(*slope / guess.gradient, guess.gradient / *slope);
+        const float here = slope[0];
+        if (!(lowest < here && here < highest && slope[-1] < here && slope[1] <= here)) continue;
+        const float weight = std::min(here / guess.gradient, guess.gradient / here);
         const Vec<float, 2> peak = edges.peak(nearest_pixel(at + static_cast<float>(j) * normal));
         candidates_.push_back({k, direction.dot(peak - centre), normal.dot(peak - centre), weight, peak});
         ++found;
@@ -117,11 +119,11 @@ class LineTracker {
     if (candidates_.empty()) return best;
     const std::size_t n = std::min(candidates_.size(), max_voters);
     const auto voter = [&](std::size_t i) -> const Candidate& { return candidates_[i * candidates_.size() / n]; };
-    const float extent = sample_spacing_px * static_cast<float>(samples_), steepest = std::tan(options.max_angle_rad);
+    const float steepest = std::tan(options.max_angle_rad);
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t j = i + 1; j < n; ++j) {
         const float along = voter(j).along - voter(i).along;
-        if (!(along > 0.3f * extent)) continue;
+        if (!(along > 0.3f * length_)) continue;
         Offset line;
         line.b = (voter(j).offset - voter(i).offset) / along;
         line.a = voter(i).offset - line.b * voter(i).along;
@@ -199,12 +201,13 @@ class LineTracker {
       if (!(distance < options.max_distance_px)) continue;
       if (best == nullptr || distance < std::abs(line.distance(best->peak - origin))) best = &c;
     }
+    const float max_gap_px = std::max(options.max_gap_px, 2.5f * length_ / static_cast<float>(samples_));
     Extent longest, run;
     float last_along = 0;
     for (int k = 0; k < samples_; ++k) {
       const Candidate* c = support_[static_cast<std::size_t>(k)];
       if (c == nullptr) continue;
-      if (run.samples == 0 || c->along - last_along > options.max_gap_px) run = {k, k, 0};
+      if (run.samples == 0 || c->along - last_along > max_gap_px) run = {k, k, 0};
       run.last = k;
       ++run.samples;
       last_along = c->along;
@@ -217,6 +220,7 @@ class LineTracker {
   FixedVector<Candidate, max_samples * max_per_sample> candidates_;
   std::array<const Candidate*, max_samples> support_;
   std::array<bool, max_samples> inside_;
+  float length_ = 0;  ///< of the prediction [px]
   int samples_ = 0;
 };
 
