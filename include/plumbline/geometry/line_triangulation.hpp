@@ -81,7 +81,7 @@ LineTriangulation<S> triangulate_line(std::span<const LineTriangulationView<S>> 
     const InterpretationPlane<S> plane(views[j]);
     const S sine = anchor.N.cross(plane.N).norm();
     const S significance = sine / std::hypot(anchor.sigma_rad, plane.sigma_rad);
-    if (!(sine > S(std::sin(options.min_angle_rad)) && significance > most)) continue;
+    if (!(sine > std::sin(S(options.min_angle_rad)) && significance > most)) continue;
     most = significance;
     out.line = Line3<S>(intersection(anchor, plane));
   }
@@ -116,7 +116,8 @@ LineTriangulation<S> triangulate_line(std::span<const LineTriangulationView<S>> 
       in_front = in_front && (view.bearing_start + view.bearing_end).dot(seen.v.cross(seen.n)) > 0;
     }
     const Eigen::LDLT<Mat<S, 4, 4>> solver(H);
-    out.covariance = solver.solve(Mat<S, 4, 4>::Identity());  // (25)
+    // (25), column by column: for many right-hand sides at once Eigen brings in an allocator
+    for (int k = 0; k < 4; ++k) out.covariance.col(k) = solver.solve(Vec<S, 4>(Vec<S, 4>::Unit(k)));
     const Vec<S, 4> step = -out.covariance * g;
     const bool converged = !(step.dot(H * step) > S(1e-4));  // in units of its own noise
     if (iteration == 5 || converged) break;
