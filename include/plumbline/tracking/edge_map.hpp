@@ -30,7 +30,8 @@ using EdgeChain = FixedVector<EdgePixel, 4096>;
 
 /// The pixel that a position [px] >= 0 is in.
 inline EdgePixel nearest_pixel(const Vec<float, 2>& uv) {
-  return {static_cast<std::int16_t>(uv.x() + 0.5f), static_cast<std::int16_t>(uv.y() + 0.5f)};
+  const Vec<float, 2> shifted = uv.array() + 0.5f;  // conversion rounds down
+  return {static_cast<std::int16_t>(shifted.x()), static_cast<std::int16_t>(shifted.y())};
 }
 
 template <std::size_t MaxPixels>
@@ -139,8 +140,8 @@ class EdgeMap {
   };
 
   float slope_inside(const Vec<float, 2>& uv, const Vec<float, 2>& normal) const {
-    const std::size_t i =
-        static_cast<std::size_t>(static_cast<int>(uv.y() + 0.5f) * width_ + static_cast<int>(uv.x() + 0.5f));
+    const EdgePixel pixel = nearest_pixel(uv);
+    const std::size_t i = static_cast<std::size_t>(index(pixel.x, pixel.y));
     const float u = static_cast<float>(gradients_[i].x), v = static_cast<float>(gradients_[i].y);
     const float across = normal.x() * u + normal.y() * v, along = normal.x() * v - normal.y() * u;
     constexpr float tan_22_5 = 0.41421356f;
