@@ -1,6 +1,7 @@
 #include "plumbline/imu/alignment.hpp"
 
 #include <cmath>
+#include <string_view>
 #include <type_traits>
 
 #include "catch.hpp"
@@ -119,6 +120,7 @@ TEST_CASE("alignment: says what is missing") {
     const test::SimulatedAlignment<double> s(1, 1, zero, zero, 10, false);
     const Alignment<double, 10> a = align<10>(s.span(), s.T_body_cam);
     REQUIRE((a.outcome == AlignmentOutcome::too_little_excitation && a.excitation < 1e-9));
+    REQUIRE(std::string_view(name_of(a.outcome)) == "too little excitation");
     REQUIRE(align<10>(s.span(), s.T_body_cam, {.metric = true}).outcome == AlignmentOutcome::aligned);
   }
   {

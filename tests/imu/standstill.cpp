@@ -52,17 +52,18 @@ TEST_CASE("standstill: at rest, also under the shaking of rotors") {
 TEST_CASE("standstill: what speaks against it") {
   const Vec<double, 3> bias(0.01, -0.02, 0.07), accel(0, 0, 9.81);
   const auto motion = [&](const Vec<double, 3>& b, const Vec<double, 3>& a, auto&& disturb) {
-    return standstill(resting(b, a, disturb), t_end).motion;
+    return standstill(resting(b, a, disturb), t_end).verdict;
   };
   const auto none = [](double, ImuSample&) {};
   REQUIRE(motion(bias, accel, [](double t, ImuSample& s) { s.gyro.y() += 0.05 * std::sin(4 * t); }) ==
-          Motion::rotating);
+          StandstillVerdict::rotating);
   REQUIRE(motion(bias, accel, [](double t, ImuSample& s) { s.accel.y() += 0.5 * std::sin(4 * t); }) ==
-          Motion::accelerating);
-  REQUIRE(motion({0.3, 0, 0}, accel, none) == Motion::implausible);
-  REQUIRE(motion(bias, {0, 0, 10.5}, none) == Motion::implausible);
-  REQUIRE(standstill(ImuBuffer<>(), t_end).motion == Motion::too_few_samples);
-  REQUIRE(standstill(resting(bias, accel, none), t_end + 500'000'000).motion == Motion::too_few_samples);
-  REQUIRE(standstill(resting(bias, accel, none), 500'000'000).motion == Motion::too_few_samples);
-  REQUIRE(standstill(resting(bias, accel, none), t_end, {.gyro_spread = std::nan("")}).motion == Motion::rotating);
+          StandstillVerdict::accelerating);
+  REQUIRE(motion({0.3, 0, 0}, accel, none) == StandstillVerdict::implausible);
+  REQUIRE(motion(bias, {0, 0, 10.5}, none) == StandstillVerdict::implausible);
+  REQUIRE(standstill(ImuBuffer<>(), t_end).verdict == StandstillVerdict::too_few_samples);
+  REQUIRE(standstill(resting(bias, accel, none), t_end + 500'000'000).verdict == StandstillVerdict::too_few_samples);
+  REQUIRE(standstill(resting(bias, accel, none), 500'000'000).verdict == StandstillVerdict::too_few_samples);
+  REQUIRE(standstill(resting(bias, accel, none), t_end, {.gyro_spread = std::nan("")}).verdict ==
+          StandstillVerdict::rotating);
 }

@@ -60,6 +60,21 @@ enum class AlignmentOutcome : std::uint8_t {
   scale_uncertain,        ///< wait for more motion
 };
 
+/// For logs.
+constexpr const char* name_of(AlignmentOutcome outcome) {
+  switch (outcome) {
+    case AlignmentOutcome::aligned: return "aligned";
+    case AlignmentOutcome::too_few_frames: return "too few frames";
+    case AlignmentOutcome::no_imu_data: return "no IMU data";
+    case AlignmentOutcome::rotations_disagree: return "camera and gyroscope turn differently";
+    case AlignmentOutcome::gravity_implausible: return "gravity of a wrong length";
+    case AlignmentOutcome::gravity_uncertain: return "gravity uncertain";
+    case AlignmentOutcome::too_little_excitation: return "too little excitation";
+    case AlignmentOutcome::scale_uncertain: return "scale uncertain";
+  }
+  return "unknown outcome";
+}
+
 template <std::floating_point S, int MaxFrames>
 struct Alignment {
   AlignmentOutcome outcome = AlignmentOutcome::too_few_frames;

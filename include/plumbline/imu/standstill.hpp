@@ -33,16 +33,28 @@ struct StandstillOptions {
 };
 
 /// Whether at rest, or what speaks against it.
-enum class Motion : std::uint8_t { at_rest, too_few_samples, rotating, accelerating, implausible };
+enum class StandstillVerdict : std::uint8_t { at_rest, too_few_samples, rotating, accelerating, implausible };
+
+/// For logs.
+constexpr const char* name_of(StandstillVerdict verdict) {
+  switch (verdict) {
+    case StandstillVerdict::at_rest: return "at rest";
+    case StandstillVerdict::too_few_samples: return "too few samples";
+    case StandstillVerdict::rotating: return "rotating";
+    case StandstillVerdict::accelerating: return "accelerating";
+    case StandstillVerdict::implausible: return "readings beyond any bias";
+  }
+  return "unknown verdict";
+}
 
 struct StandstillReport {
-  Motion motion = Motion::too_few_samples;
+  StandstillVerdict verdict = StandstillVerdict::too_few_samples;
   int blocks = 0;
   Vec<double, 3> mean_gyro = Vec<double, 3>::Zero();   ///< [rad/s]
   Vec<double, 3> mean_accel = Vec<double, 3>::Zero();  ///< [m/s^2]
   double gyro_spread = 0, accel_spread = 0;            ///< (3)
 
-  bool at_rest() const { return motion == Motion::at_rest; }
+  bool at_rest() const { return verdict == StandstillVerdict::at_rest; }
 };
 
 /// The time up to t_end_ns.
@@ -71,14 +83,14 @@ StandstillReport standstill(const ImuBuffer<Capacity>& buffer, TimeNs t_end_ns, 
   out.gyro_spread = std::sqrt(gyro_scatter / options.blocks);  // (3)
   out.accel_spread = std::sqrt(accel_scatter / options.blocks);
   if (!(out.gyro_spread <= options.gyro_spread)) {
-    out.motion = Motion::rotating;
+    out.verdict = StandstillVerdict::rotating;
   } else if (!(out.accel_spread <= options.accel_spread)) {
-    out.motion = Motion::accelerating;
+    out.verdict = StandstillVerdict::accelerating;
   } else if (!(out.mean_gyro.norm() <= options.gyro_bias) ||
              !(std::abs(out.mean_accel.norm() - options.gravity) <= options.gravity_error)) {
-    out.motion = Motion::implausible;
+    out.verdict = StandstillVerdict::implausible;
   } else {
-    out.motion = Motion::at_rest;
+    out.verdict = StandstillVerdict::at_rest;
   }
   return out;
 }
