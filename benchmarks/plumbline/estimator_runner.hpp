@@ -28,8 +28,12 @@ Sensors make_rgbd(const plumbline::io::Calibration& calibration) {
   if (pixels > max_pixels)
     throw std::runtime_error("images of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
                              " are larger than the " + std::to_string(max_pixels) + " pixels of this configuration");
-  Sensors sensors{{plumbline::io::make_camera<S>(camera), camera.width, camera.height, {}}};
+  Sensors sensors{};
+  sensors.vision.camera = plumbline::io::make_camera<S>(camera);
+  sensors.vision.width = camera.width;
+  sensors.vision.height = camera.height;
   sensors.vision.depth.units_per_metre = static_cast<S>(calibration.depth_scale);
+  if (camera.readout_s) sensors.vision.readout = {static_cast<S>(*camera.readout_s), S(0)};
   return sensors;
 }
 

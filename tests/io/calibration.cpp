@@ -132,6 +132,12 @@ TEST_CASE("calibration: the plain format") {
   REQUIRE((c.imu->accel_density == 3e-3 && c.imu->accel_walk == 4e-3 && c.imu->rate_hz == 200));
 }
 
+TEST_CASE("calibration: a stated readout time, and none") {
+  REQUIRE(!read(plain).camera.readout_s);
+  REQUIRE(*read(replaced(plain, "rate_hz: 30", "readout_s: 0.026")).camera.readout_s == 0.026);
+  require_error(replaced(plain, "rate_hz: 30", "readout_s: 26"), 7, "camera.readout_s must be from 0 to 0.2 seconds");
+}
+
 TEST_CASE("calibration: EuRoC, T_BS is the camera in the body") {
   const Calibration c = read(euroc);
   REQUIRE((c.camera.distortion == "radtan" && c.camera.distortion_coefficients.size() == 4));

@@ -88,7 +88,11 @@ class Estimator {
     const double begin = TimeSource::now();
     timing_ = {};
     if (!pyramids_[1 - last_].build(frame.gray)) return Error::wrong_image_size;
-    View<Sensors> view{rig_, pyramids_[last_], pyramids_[1 - last_], frame.depth, rig_.T_body_cam(),
+    View<Sensors> view{rig_,
+                       pyramids_[last_],
+                       pyramids_[1 - last_],
+                       frame.depth,
+                       rig_.T_body_cam(),
                        {rig_.vision.camera, rig_.vision.height, readout_.readout().value_s, Vec<S, 3>::Zero()}};
 
     if (!started_) {

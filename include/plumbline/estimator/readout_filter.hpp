@@ -2,8 +2,8 @@
 /// The readout time of a rolling shutter, from what every frame says about it.     docs/math/rolling_shutter.md
 ///
 /// A frame's normal equations of pose and readout give a correction d with variance C. Two things keep a frame from
-/// saying all: the angular rate is known to some percent only (a floor), and landmarks measured with a wrong readout hide
-/// part of the error, which comes to light as they are replaced (a random walk):
+/// saying all: the angular rate is known to some percent only (a floor), and landmarks measured with a wrong readout
+/// hide part of the error, which comes to light as they are replaced (a random walk):
 ///   P <- P + walk^2 dt,   K = P / (P + C + floor^2),   readout += K d,   P <- (1 - K) P                      (2)
 
 #include <algorithm>

@@ -23,8 +23,8 @@
 namespace plumbline {
 
 struct PointOptions {
-  double sigma_px = 0.5;        ///< of an aligned observation with all the texture one could wish
-  double sigma_intensity = 10;  ///< of a pixel, correlated errors of a whole patch included
+  double sigma_px = 0.35;       ///< of an aligned observation with all the texture one could wish
+  double sigma_intensity = 15;  ///< of a pixel, correlated errors of a whole patch included
   double sigma_flow_px = 1.0;   ///< of a frame-to-frame observation
   int target_count = 180;       ///< corners are detected until this many landmarks are in sight
   int max_misses = 30;          ///< frames in a row that look for a landmark in vain before it is forgotten

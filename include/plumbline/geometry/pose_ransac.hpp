@@ -1,10 +1,10 @@
 #pragma once
 /// Camera pose from bearings of known points with outliers: MSAC over P3P, then Gauss-Newton.   docs/math/geometry.md 2
 ///
-///   cost(T) = sum_i min(e_i^2 / sigma_i^2, chi2) + min(d_i^2 / sigma_d^2, chi2),  p = T_cam_world p_world           (5)
-///   e = |b x p| / |p|  = sin of the angle;  d = 1/p_z - measured, for points whose depth was measured
-///   n(w)    = log(1 - confidence) / log(1 - w^3) samples, w = the best inlier ratio so far                       (6)
-///   r = p/|p| - b,  J_r_T = (I - n n^T)/|p| [-R [p_world]x, R],  n = p/|p|                                        (7)
+///   cost(T) = sum_i min(e_i^2 / sigma_i^2, chi2) + min(d_i^2 / sigma_d^2, chi2),  p = T_cam_world p_world (5) e = |b x
+///   p| / |p|  = sin of the angle;  d = 1/p_z - measured, for points whose depth was measured n(w)    = log(1 -
+///   confidence) / log(1 - w^3) samples, w = the best inlier ratio so far                       (6) r = p/|p| - b,
+///   J_r_T = (I - n n^T)/|p| [-R [p_world]x, R],  n = p/|p|                                        (7)
 /// Bearings alone decide who is an inlier; depth tells poses apart that see the same bearings (few points, or all on a
 /// plane). The prior pose is the first hypothesis. The same input gives the same output.
 
@@ -29,9 +29,9 @@ namespace plumbline {
 
 template <class S>
 struct PoseCorrespondence {
-  Vec<S, 3> bearing;  ///< unit, camera frame
-  Vec<S, 3> p_world;  ///< [m]
-  S sigma_rad;        ///< angular noise of the bearing
+  Vec<S, 3> bearing;             ///< unit, camera frame
+  Vec<S, 3> p_world;             ///< [m]
+  S sigma_rad;                   ///< angular noise of the bearing
   S inverse_depth = S(0);        ///< measured 1/z [1/m]
   S sigma_inverse_depth = S(0);  ///< [1/m]; 0 where no depth was measured
 };

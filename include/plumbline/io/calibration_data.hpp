@@ -17,6 +17,7 @@ struct CameraCalibration {
   std::vector<double> distortion_coefficients;  ///< radtan: k1 k2 p1 p2 (k3); equidistant: k1 k2 k3 k4
   int width = 0, height = 0;                    ///< [px]
   double rate_hz = 0;                           ///< 0: not stated
+  std::optional<double> readout_s;              ///< of a rolling shutter, first to last row; 0: global shutter
 };
 
 struct Calibration {

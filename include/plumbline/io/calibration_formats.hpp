@@ -15,7 +15,8 @@ inline Calibration read_plain(const YamlMap& root) {
   root.allow_only({"camera", "depth", "T_body_camera", "imu"});
   const YamlMap map = root.map("camera");
   map.allow_only(
-      {"model", "intrinsics", "distortion", "distortion_coefficients", "resolution", "rate_hz", "time_offset_s"});
+      {"model", "intrinsics", "distortion", "distortion_coefficients", "resolution", "rate_hz", "time_offset_s",
+       "readout_s"});
   Calibration out;
   CameraCalibration& camera = out.camera;
   camera.model = map.text("model");
@@ -30,6 +31,10 @@ inline Calibration read_plain(const YamlMap& root) {
   check_projection(camera, map, "intrinsics", "resolution");
   check_distortion(camera, map, map.has("distortion_coefficients") ? "distortion_coefficients" : "model");
   if (map.has("time_offset_s")) out.camera_time_offset_s = map.number("time_offset_s");
+  if (map.has("readout_s")) {
+    camera.readout_s = map.number("readout_s");
+    if (!(*camera.readout_s >= 0 && *camera.readout_s < 0.2)) map.fail("readout_s", "must be from 0 to 0.2 seconds");
+  }
   if (root.has("depth")) {
     const YamlMap depth = root.map("depth");
     depth.allow_only({"scale"});

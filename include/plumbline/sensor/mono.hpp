@@ -25,8 +25,8 @@ struct Mono {
   };
 
   Camera camera;
-  int width = 0;   ///< [px] of every image
-  int height = 0;  ///< [px]
+  int width = 0;            ///< [px] of every image
+  int height = 0;           ///< [px]
   Readout<Scalar> readout;  ///< a global shutter unless said
 };
 

@@ -1,8 +1,8 @@
 #pragma once
 /// Images whose rows are read one after the other.                                docs/math/rolling_shutter.md
 ///
-/// The middle row is exposed at the frame's time stamp, row v of H  tau(v) readout  later, tau = (v + 1/2)/H - 1/2. While
-/// the camera turns with angular rate w, what row v sees along bearing b is seen in the middle of the frame along
+/// The middle row is exposed at the frame's time stamp, row v of H  tau(v) readout  later, tau = (v + 1/2)/H - 1/2.
+/// While the camera turns with angular rate w, what row v sees along bearing b is seen in the middle of the frame along
 ///   b_0 = Exp(w tau readout) b,     d b_0/d readout = tau w x b_0                                            (1)
 /// The translation during one readout is neglected.
 
