@@ -3,7 +3,9 @@
 ///
 /// A kind names, for a rig and a number of keyframe slots, the map that keeps its landmarks (`Map<Sensors, Slots>`).
 
+#include <cstddef>
 #include <tuple>
+#include <utility>
 
 #include "plumbline/sensor/rig.hpp"
 
@@ -15,7 +17,7 @@ class FeatureMaps {
  public:
   using Options = std::tuple<typename Maps::Options...>;
 
-  explicit FeatureMaps(const Options& options) : maps_(std::apply(make, options)) {}
+  explicit FeatureMaps(const Options& options) : FeatureMaps(options, std::index_sequence_for<Maps...>()) {}
 
   void for_each(auto&& visit) {
     std::apply([&](Maps&... map) { (visit(map), ...); }, maps_);
@@ -38,7 +40,9 @@ class FeatureMaps {
   using TupleOf = std::tuple<X<Maps>...>;
 
  private:
-  static std::tuple<Maps...> make(const typename Maps::Options&... options) { return {Maps(options)...}; }
+  /// Each map is built where it stays: one may be larger than a stack.
+  template <std::size_t... I>
+  FeatureMaps(const Options& options, std::index_sequence<I...>) : maps_(std::get<I>(options)...) {}
 
   std::tuple<Maps...> maps_;
 };

@@ -152,6 +152,20 @@ class LandmarkElimination {
     return (c_.squaredNorm() + mu_ * damping_.dot(dl.template cast<Acc>().cwiseAbs2())) / 2;
   }
 
+  /// (R1^T R1)^-1, after a successful eliminate: the landmark's covariance given the poses (damping counts as rows).
+  Mat<S, LandmarkDim, LandmarkDim> landmark_covariance() const {
+    Mat<Acc, LandmarkDim, LandmarkDim> inverse;  // of R1, column by column
+    for (int c = 0; c < LandmarkDim; ++c) {
+      Vec<Acc, LandmarkDim> x = Vec<Acc, LandmarkDim>::Unit(c);
+      for (int k = LandmarkDim - 1; k >= 0; --k) {
+        x[k] /= R1_(k, k);
+        x.head(k) -= x[k] * R1_.col(k).head(k);
+      }
+      inverse.col(c) = x;
+    }
+    return (inverse * inverse.transpose()).template cast<S>();
+  }
+
   /// For marginalization: writes [J_l | J_p | r] to the upper left of `work`, at least rows() x (LandmarkDim + dim + 1)
   /// with the right-hand side in its last column, and eliminates J_l without damping. Returns its rank k: rows
   /// [k, rows()), columns [LandmarkDim, ...) are [Q2^T J_p | Q2^T r], Q2 the full orthogonal complement of J_l.
