@@ -12,12 +12,12 @@ using namespace plumbline;
 namespace {
 
 /// Exact poses, and a prior of the accelerometer bias that leaves it free.
-const AlignmentOptions exact_poses{
+const InertialAlignmentOptions exact_poses{
     .metric = false, .rotation_sigma = 0, .position_sigma = 1e-6, .accel_bias_sigma = 100, .max_scale_sigma = 0.5};
 
 /// Largest error of gravity direction [rad], velocities [m/s] and biases, yaw apart.
 template <class S, int MaxFrames>
-double state_error(const Alignment<S, MaxFrames>& a, const test::SimulatedAlignment<S>& s) {
+double state_error(const InertialAlignment<S, MaxFrames>& a, const test::SimulatedAlignment<S>& s) {
   const Vec<double, 3> e3 = Vec<double, 3>::UnitZ();
   const SO3<double> R_world_ref = a.R_world_ref.template cast<double>();
   double worst = (R_world_ref * (s.R_ref_world * e3) - e3).norm();
@@ -43,9 +43,9 @@ TEMPLATE_TEST_CASE("alignment: everything from exact poses up to scale", "", flo
   for (std::uint64_t seed = 1; seed < 10; ++seed) {
     for (const double scale : {0.3, 1.0, 7.0}) {
       const test::SimulatedAlignment<S> s(seed, scale, {0.02, -0.01, 0.05}, {0.1, 0.2, -0.15});
-      AlignmentOptions options = exact_poses;
+      InertialAlignmentOptions options = exact_poses;
       if (std::is_same_v<S, float>) options.position_sigma = 1e-5;
-      const Alignment<S, 12> a = align<12>(s.span(), s.T_body_cam.template cast<S>(), options);
+      const InertialAlignment<S, 12> a = align_inertial<12>(s.span(), s.T_body_cam.template cast<S>(), options);
       REQUIRE(a.outcome == AlignmentOutcome::aligned);
       REQUIRE(double(a.scale) == Approx(scale).epsilon(std::is_same_v<S, float> ? 1e-3 : 1e-5));
       REQUIRE(state_error(a, s) < (std::is_same_v<S, float> ? 1e-2 : 1e-4));
@@ -58,10 +58,10 @@ TEMPLATE_TEST_CASE("alignment: metric poses", "", float, double) {
   using S = TestType;
   for (std::uint64_t seed = 1; seed < 10; ++seed) {
     const test::SimulatedAlignment<S> s(seed, 1, {0.02, -0.01, 0.05}, {0.1, 0.2, -0.15});
-    AlignmentOptions options = exact_poses;
+    InertialAlignmentOptions options = exact_poses;
     options.metric = true;
     if (std::is_same_v<S, float>) options.position_sigma = 1e-5;
-    const Alignment<S, 10> a = align<10>(s.span(), s.T_body_cam.template cast<S>(), options);
+    const InertialAlignment<S, 10> a = align_inertial<10>(s.span(), s.T_body_cam.template cast<S>(), options);
     REQUIRE(a.outcome == AlignmentOutcome::aligned);
     REQUIRE(std::abs(a.scale - S(1)) < S(1e-5));
     REQUIRE(state_error(a, s) < (std::is_same_v<S, float> ? 5e-3 : 1e-4));
@@ -70,7 +70,7 @@ TEMPLATE_TEST_CASE("alignment: metric poses", "", float, double) {
 
 TEST_CASE("alignment: sigmas are those of simulated noise") {
   testing::Gaussian normal(7);
-  AlignmentOptions options;
+  InertialAlignmentOptions options;
   options.max_scale_sigma = 1;
   double scale_squared = 0, gravity_squared = 0, chi2 = 0;
   constexpr int runs = 300;
@@ -81,7 +81,7 @@ TEST_CASE("alignment: sigmas are those of simulated noise") {
       frame.T_ref_cam = plus(frame.T_ref_cam, (Vec<double, 6>() << options.rotation_sigma * normal.vector<3>(),
                                                options.position_sigma * normal.vector<3>())
                                                   .finished());
-    const Alignment<double, 10> a = align<10>(s.span(), s.T_body_cam, options);
+    const InertialAlignment<double, 10> a = align_inertial<10>(s.span(), s.T_body_cam, options);
     REQUIRE(a.outcome == AlignmentOutcome::aligned);
     scale_squared += std::pow((a.scale / 2 - 1) / a.scale_sigma, 2) / runs;
     const Vec<double, 3> e3 = Vec<double, 3>::UnitZ();
@@ -99,33 +99,35 @@ TEST_CASE("alignment: says what is missing") {
   const Vec<double, 3> zero = Vec<double, 3>::Zero();
   {
     const test::SimulatedAlignment<double> s(1, 1, zero, zero, 4);
-    REQUIRE(align<10>(s.span(), s.T_body_cam).outcome == AlignmentOutcome::too_few_frames);
+    REQUIRE(align_inertial<10>(s.span(), s.T_body_cam).outcome == AlignmentOutcome::too_few_frames);
   }
   {
     test::SimulatedAlignment<double> s(1, 1, zero, zero);
     s.imu[4] = Preintegration<double>();
-    REQUIRE(align<10>(s.span(), s.T_body_cam).outcome == AlignmentOutcome::no_imu_data);
+    REQUIRE(align_inertial<10>(s.span(), s.T_body_cam).outcome == AlignmentOutcome::no_imu_data);
     s.frames[4].imu = nullptr;
-    REQUIRE(align<10>(s.span(), s.T_body_cam).outcome == AlignmentOutcome::no_imu_data);
+    REQUIRE(align_inertial<10>(s.span(), s.T_body_cam).outcome == AlignmentOutcome::no_imu_data);
   }
   {
     const test::SimulatedAlignment<double> s(1, 1, zero, zero);
-    REQUIRE(align<10>(s.span(), SE3<double>()).outcome == AlignmentOutcome::rotations_disagree);
-    REQUIRE(align<10>(s.span(), s.T_body_cam, {.gravity = 20}).outcome == AlignmentOutcome::gravity_implausible);
-    REQUIRE(align<10>(s.span(), s.T_body_cam, {.max_gravity_sigma = 1e-9}).outcome ==
+    REQUIRE(align_inertial<10>(s.span(), SE3<double>()).outcome == AlignmentOutcome::rotations_disagree);
+    REQUIRE(align_inertial<10>(s.span(), s.T_body_cam, {.gravity = 20}).outcome ==
+            AlignmentOutcome::gravity_implausible);
+    REQUIRE(align_inertial<10>(s.span(), s.T_body_cam, {.max_gravity_sigma = 1e-9}).outcome ==
             AlignmentOutcome::gravity_uncertain);
-    REQUIRE(align<10>(s.span(), s.T_body_cam, {.max_scale_sigma = 1e-9}).outcome == AlignmentOutcome::scale_uncertain);
+    REQUIRE(align_inertial<10>(s.span(), s.T_body_cam, {.max_scale_sigma = 1e-9}).outcome ==
+            AlignmentOutcome::scale_uncertain);
   }
   {
     const test::SimulatedAlignment<double> s(1, 1, zero, zero, 10, false);
-    const Alignment<double, 10> a = align<10>(s.span(), s.T_body_cam);
+    const InertialAlignment<double, 10> a = align_inertial<10>(s.span(), s.T_body_cam);
     REQUIRE((a.outcome == AlignmentOutcome::too_little_excitation && a.excitation < 1e-9));
     REQUIRE(std::string_view(name_of(a.outcome)) == "too little excitation");
-    REQUIRE(align<10>(s.span(), s.T_body_cam, {.metric = true}).outcome == AlignmentOutcome::aligned);
+    REQUIRE(align_inertial<10>(s.span(), s.T_body_cam, {.metric = true}).outcome == AlignmentOutcome::aligned);
   }
   {
     test::SimulatedAlignment<double> s(1, 1, zero, zero);
     s.frames[4].T_ref_cam = SE3<double>(s.frames[4].T_ref_cam.rotation(), {0, std::nan(""), 0});
-    REQUIRE(!align<10>(s.span(), s.T_body_cam));
+    REQUIRE(!align_inertial<10>(s.span(), s.T_body_cam));
   }
 }

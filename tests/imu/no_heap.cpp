@@ -1,14 +1,7 @@
 // Nothing in imu/ allocates: neither through Eigen (checked also in release builds) nor through operator new.
-namespace {
-bool watching = false;
-int allocations = 0;
-}  // namespace
-#define EIGEN_RUNTIME_NO_MALLOC
-#define eigen_assert(condition) (static_cast<bool>(condition) ? void() : void(allocations += watching ? 1 : 0))
+#include "allocation_counter.hpp"
 
-#include <cstdlib>
 #include <memory>
-#include <new>
 
 #include "catch.hpp"
 #include "imu/simulated_alignment.hpp"
@@ -19,31 +12,8 @@ int allocations = 0;
 #include "plumbline/residual/inertial.hpp"
 #include "plumbline/residual/zero_motion.hpp"
 
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"  // inlined, ours looks like malloc to the compiler
-void* operator new(std::size_t size) {
-  allocations += watching ? 1 : 0;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-
 using namespace plumbline;
-
-namespace {
-
-template <class F>
-int allocations_of(F&& f) {
-  allocations = 0;
-  watching = true;
-  Eigen::internal::set_is_malloc_allowed(false);
-  f();
-  Eigen::internal::set_is_malloc_allowed(true);
-  watching = false;
-  return allocations;
-}
-
-}  // namespace
+using test::allocations_of;
 
 TEMPLATE_TEST_CASE("no_heap: buffer, preintegration, residuals, standstill, alignment", "", float, double) {
   using S = TestType;
@@ -63,7 +33,7 @@ TEMPLATE_TEST_CASE("no_heap: buffer, preintegration, residuals, standstill, alig
             lin.whiten(*preintegration.increment().square_root_information());
             const StandstillReport report = standstill(buffer, 1'000'000'000);
             const auto still = ZeroMotion<S>{}.linearize(x_i.T_world_body, x_j.T_world_body);
-            const Alignment<S, 10> a = align<10>(s.span(), s.T_body_cam.template cast<S>());
+            const InertialAlignment<S, 10> a = align_inertial<10>(s.span(), s.T_body_cam.template cast<S>());
             sum += lin.r.sum() + still.r.sum() + a.scale + S(coverage.intervals) + S(report.gyro_spread);
           }) == 0);
   REQUIRE(sum != 0);

@@ -166,7 +166,8 @@ TEST_CASE("real_imu: initialization from noisy camera poses") {
     const Flight flight(name);
     for (const bool metric : {false, true}) {
       const double scale = metric ? 1 : 2.5;
-      const AlignmentOptions options{.metric = metric, .rotation_sigma = 1e-3, .position_sigma = 4e-3 / scale};  // 4 mm
+      const InertialAlignmentOptions options{
+          .metric = metric, .rotation_sigma = 1e-3, .position_sigma = 4e-3 / scale};  // 4 mm
       testing::Gaussian normal(1);
       Errors errors;
       std::map<AlignmentOutcome, int> outcomes;
@@ -186,7 +187,8 @@ TEST_CASE("real_imu: initialization from noisy camera poses") {
                                  error),
                             &imu[k]});
         }
-        const Alignment<double, int(count)> a = align<int(count)>(std::span<const Frame>(frames), T_body_cam, options);
+        const InertialAlignment<double, int(count)> a =
+            align_inertial<int(count)>(std::span<const Frame>(frames), T_body_cam, options);
         ++outcomes[a.outcome];
         if (!a) continue;
         const NavState<double>& first = flight.truth[i].x;

@@ -11,7 +11,7 @@ using namespace plumbline;
 
 namespace {
 template <class S>
-Pinhole<S, RadTan<S>> camera() {
+Pinhole<S, RadTan> camera() {
   return {S(517), S(516), S(319), S(255), {S(0.26), S(-0.95), S(-0.005), S(0.003), S(1.16)}};
 }
 constexpr int height = 480;
@@ -24,7 +24,7 @@ TEMPLATE_TEST_CASE("rolling_shutter: a turning camera's rows, brought to the mid
   for (int trial = 0; trial < 200; ++trial) {
     const Vec<S, 3> w = S(3) * Vec<S, 3>(S(random()), S(random()), S(random()));
     const S readout = S(0.026);
-    const RollingShutter<Pinhole<S, RadTan<S>>> shutter(cam, height, readout, w);
+    const RollingShutter<Pinhole<S, RadTan>> shutter(cam, height, readout, w);
     const Vec<S, 2> still(S(120 + 400 * random.random().uniform()), S(100 + 280 * random.random().uniform()));
     const Vec<S, 2> seen = shutter.seen(still);
     // By definition: row v sees the direction at its own time, when the camera has turned by w tau readout.
@@ -44,7 +44,7 @@ TEMPLATE_TEST_CASE("rolling_shutter: slopes are derivatives by the readout", "",
   const S step = std::is_same_v<S, float> ? S(2e-3) : S(1e-5), tolerance = std::is_same_v<S, float> ? S(1) : S(1e-4);
   for (const S v : {S(20), S(240), S(470)}) {
     const Vec<S, 2> uv(S(200), v);
-    const auto at = [&](S readout) { return RollingShutter<Pinhole<S, RadTan<S>>>(cam, height, readout, w); };
+    const auto at = [&](S readout) { return RollingShutter<Pinhole<S, RadTan>>(cam, height, readout, w); };
     const Vec<S, 2> numeric = (at(S(0.02) + step).still(uv).uv - at(S(0.02) - step).still(uv).uv) / (2 * step);
     REQUIRE((at(S(0.02)).still(uv).uv_slope - numeric).norm() < tolerance);
     const auto bearing = [&](S readout) { return cam.unproject(at(readout).still(uv).uv).bearing; };

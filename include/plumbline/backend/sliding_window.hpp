@@ -4,11 +4,15 @@
 ///
 /// One call of `optimize` minimizes  |r0 + J0 e|^2 / 2 + the terms of all features  over the K poses; landmarks are
 /// eliminated one by one. `marginalize` turns a keyframe, and the landmarks anchored in it, into the next (r0, J0).
+///
+/// With an IMU a frame's block is [pose, velocity, biases], docs/math/inertial_window.md, and the cost has the chain's
+/// terms as soon as `start_inertial` was called; before, velocities and biases rest where they are.
 
 #include <cmath>
 #include <tuple>
 #include <type_traits>
 
+#include "plumbline/backend/inertial_chain.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/mapping/frame_window.hpp"
 #include "plumbline/mapping/window_views.hpp"
@@ -23,6 +27,12 @@ struct WindowOptions {
   LevenbergMarquardtOptions solver;
   double sigma_first_rotation = 1e-3;  ///< prior on the first pose, which is the world's origin [rad]
   double sigma_first_position = 1e-3;  ///< [m]
+  InertialOptions inertial;            ///< of rigs with an IMU
+};
+
+/// Stands for the inertial chain where there is no IMU.
+struct NoInertialChain {
+  explicit NoInertialChain(const InertialOptions&) {}
 };
 
 template <SensorRig Sensors, class FeatureSet, int K>
@@ -32,43 +42,123 @@ class WindowBackend {
   using Window = FrameWindow<S, K>;
   using Options = WindowOptions;
   static constexpr int block_dim = Sensors::state_dim;
+  static constexpr bool has_imu = Sensors::has_imu;
+  using Inertial = std::conditional_t<has_imu, InertialChain<S, K>, NoInertialChain>;
 
-  explicit WindowBackend(const Options& options) : options_(options) {}
+  explicit WindowBackend(const Options& options) : options_(options), inertial_(options.inertial) {}
 
   const Window& window() const { return window_; }
+  const Inertial& inertial() const { return inertial_; }
 
   /// Forgets everything and begins with one keyframe at a pose that defines the world. Returns its slot.
   int start(TimeNs t_ns, const SE3<S>& T_world_body) {
     window_.clear();
+    inertial_started_ = false;
     const int slot = window_.insert(t_ns, T_world_body);
-    prior_.J0.resize(6, dim);
-    prior_.J0.setZero();
-    prior_.J0.template block<3, 3>(0, slot * block_dim).diagonal().setConstant(1 / options_.sigma_first_rotation);
-    prior_.J0.template block<3, 3>(3, slot * block_dim + 3).diagonal().setConstant(1 / options_.sigma_first_position);
-    prior_.r0.setZero(6);
-    window_.pose(slot).fix_linearization_point();
+    if constexpr (has_imu) inertial_.insert(slot, {T_world_body}, -1, {}, false);
+    Mat<double, 6, 6> J = Mat<double, 6, 6>::Identity();
+    J.template topRows<3>() /= options_.sigma_first_rotation;
+    J.template bottomRows<3>() /= options_.sigma_first_position;
+    set_prior(slot, J);
     build_equations();  // so that a covariance is defined before the first optimization
     return slot;
   }
 
   int insert(TimeNs t_ns, const SE3<S>& T_world_body) { return window_.insert(t_ns, T_world_body); }
 
-  LevenbergMarquardtSummary optimize(const Sensors& rig, FeatureSet& features) {
-    Problem problem{*this, rig, features, rig.T_body_cam()};
-    const LevenbergMarquardtSummary summary = levenberg_marquardt(problem, options_.solver);
+  /// A frame with its inertial state, the increment since the frame in slot `previous` (-1: none) and whether the body
+  /// stood still since then.
+  int insert(TimeNs t_ns, const NavState<S>& x, int previous, const Preintegration<S>& increment, bool at_rest)
+    requires has_imu
+  {
+    const int slot = window_.insert(t_ns, x.T_world_body);
+    inertial_.insert(slot, x, previous, increment, at_rest);
+    return slot;
+  }
+
+  /// The state of a frame.
+  NavState<S> state(int slot) const
+    requires has_imu
+  {
+    return inertial_.state(window_, slot);
+  }
+
+  /// Gives frame k of the window the state `state_of(k)` and starts anew from there: no prior but the position and
+  /// heading of the oldest frame and a belief about its biases. From now on the IMU takes part.
+  void start_inertial(auto&& state_of)
+    requires has_imu
+  {
+    int oldest = window_.newest();
+    for (int k = 0; k < K; ++k) {
+      if (!window_[k].used) continue;
+      const NavState<S> x = state_of(k);
+      window_.pose(k) = WindowPose<S>(x.T_world_body);
+      inertial_.set_motion(k, x);
+      if (window_[k].sequence < window_[oldest].sequence) oldest = k;
+    }
+    inertial_.follow_biases(window_);
+    inertial_started_ = true;
+    Mat<double, 10, 15> J = Mat<double, 10, 15>::Zero();
+    J.template block<3, 3>(0, 3).diagonal().setConstant(1 / options_.sigma_first_position);
+    // Heading: the vertical part of R dphi.
+    J.template block<1, 3>(3, 0) =
+        window_[oldest].pose.value().R().row(2).template cast<double>() / options_.sigma_first_rotation;
+    J.template block<3, 3>(4, 9).diagonal().setConstant(1 / options_.inertial.start_gyro_bias_sigma);
+    J.template block<3, 3>(7, 12).diagonal().setConstant(1 / options_.inertial.start_accel_bias_sigma);
+    set_prior(oldest, J);
+  }
+
+  /// Velocities that the positions and the increments between them ask for.
+  void guess_velocities()
+    requires has_imu
+  {
+    inertial_.guess_velocities(window_);
+  }
+
+  /// Frees the slot of a frame that no landmark is anchored in and no prior knows, without a trace.
+  void drop(FeatureSet& features, int slot) {
+    features.for_each([&](auto& map) { map.remove_keyframe(slot); });
+    if constexpr (has_imu) inertial_.remove(slot);
+    window_.remove(slot);
+  }
+
+  LevenbergMarquardtSummary optimize(const Sensors& rig, const SE3<S>& T_body_cam, FeatureSet& features,
+                                     const LevenbergMarquardtOptions& solver) {
+    if constexpr (has_imu) {
+      if (inertial_started_) inertial_.follow_biases(window_);
+    }
+    Problem problem{*this, rig, features, T_body_cam};
+    const LevenbergMarquardtSummary summary = levenberg_marquardt(problem, solver);
     views_.linearize(window_, problem.T_body_cam);
     for_each(features, [&](auto& map, auto& terms) { terms.finish(rig, map, window_, views_); });
     return summary;
+  }
+  LevenbergMarquardtSummary optimize(const Sensors& rig, FeatureSet& features) {
+    return optimize(rig, rig.T_body_cam(), features, options_.solver);
   }
 
   /// Turns the keyframe in `slot`, all landmarks anchored in it and its observations of others into prior information
   /// on the keyframes that stay.
   void marginalize(const Sensors& rig, FeatureSet& features, int slot) {
-    const SE3<S> T_body_cam = rig.T_body_cam();
+    marginalize(rig, rig.T_body_cam(), features, slot);
+  }
+  void marginalize(const Sensors& rig, const SE3<S>& T_body_cam, FeatureSet& features, int slot) {
     views_.linearize(window_, T_body_cam);
     marginalizer_.reset(dim);
     marginalizer_.add_rows(prior_.J0, prior_.r0);
     const Vec<double, dim> e = corrections();
+    if constexpr (has_imu) {
+      if (inertial_started_) {
+        inertial_.for_each_row(window_, slot, [&](int i, const auto& J_i, int j, const auto& J_j, const auto& r) {
+          const auto A = J_i.template cast<double>().eval(), B = J_j.template cast<double>().eval();
+          auto r0 = r.template cast<double>().eval();
+          r0 -= A.lazyProduct(e.template segment<block_dim>(i * block_dim)) +
+                B.lazyProduct(e.template segment<block_dim>(j * block_dim));
+          marginalizer_.add_rows(A, i * block_dim, B, j * block_dim, r0);
+        });
+      }
+      inertial_.remove(slot);
+    }
     for_each(features, [&](auto& map, auto& terms) {
       terms.for_each_leaving(slot, rig, map, window_, views_, [&](const auto& landmark) {
         constexpr int columns = std::remove_cvref_t<decltype(landmark)>::landmark_dim;
@@ -95,7 +185,7 @@ class WindowBackend {
     window_.remove(slot);
     for (int k = 0; k < K; ++k) {
       if (window_[k].used && !prior_.J0.middleCols(k * block_dim, block_dim).isZero(0)) {
-        window_.pose(k).fix_linearization_point();
+        fix_linearization_point(k);
       }
     }
   }
@@ -124,6 +214,14 @@ class WindowBackend {
     return worst;
   }
 
+  int oldest() const {
+    int found = window_.newest();
+    for (int k = 0; k < K; ++k) {
+      if (window_[k].used && window_[k].sequence < window_[found].sequence) found = k;
+    }
+    return found;
+  }
+
   /// Covariance of the newest keyframe's pose given the whole window, 6x6 [dphi, dp]; false when it is not defined.
   bool newest_covariance(Mat<S, 6, 6>& covariance) const {
     Mat<double, block_dim, block_dim> block;
@@ -137,7 +235,7 @@ class WindowBackend {
   static constexpr int max_rows = 6 * K, max_landmark_dim = 4;  ///< of one landmark of any kind
   using Equations = NormalEquations<double, block_dim, K>;
   template <class Map>
-  using Terms = typename Map::template WindowTerms<block_dim>;
+  using Terms = typename Map::template WindowTerms<6>;  // features see poses alone
 
   /// What the solver sees of the window.
   struct Problem {
@@ -148,7 +246,7 @@ class WindowBackend {
 
     double linearize() {
       self.views_.linearize(self.window_, T_body_cam);
-      double cost = self.prior_cost();
+      double cost = self.prior_cost() + self.inertial_cost();
       self.for_each(features,
                     [&](auto& map, auto& terms) { cost += terms.linearize(rig, map, self.window_, self.views_); });
       return cost;
@@ -168,13 +266,18 @@ class WindowBackend {
 
     double try_step() {
       self.backup_ = self.window_;
+      if constexpr (has_imu) self.inertial_.backup();
       for (int k = 0; k < K; ++k) {
         if (self.window_[k].used)
           self.window_.pose(k).add(self.step_.template segment<6>(k * block_dim).template cast<S>());
+        if constexpr (has_imu) {
+          if (self.window_[k].used)
+            self.inertial_.step(k, self.step_.template segment<9>(k * block_dim + 6).template cast<S>());
+        }
       }
       self.for_each(features, [](auto& map, auto& terms) { terms.step(map); });
       self.views_.update(self.window_, T_body_cam);
-      double cost = self.prior_cost();
+      double cost = self.prior_cost() + self.inertial_cost();
       self.for_each(features, [&](auto& map, auto& terms) { cost += terms.cost(rig, map, self.window_, self.views_); });
       return cost;
     }
@@ -182,6 +285,7 @@ class WindowBackend {
     void accept() {}
     void reject() {
       self.window_ = self.backup_;
+      if constexpr (has_imu) self.inertial_.restore();
       self.for_each(features, [&](auto& map, auto& terms) { terms.restore(map); });
     }
   };
@@ -194,7 +298,9 @@ class WindowBackend {
   Vec<double, dim> corrections() const {
     Vec<double, dim> e = Vec<double, dim>::Zero();
     for (int k = 0; k < K; ++k) {
-      if (window_[k].used) e.template segment<6>(k * block_dim) = window_[k].pose.correction().template cast<double>();
+      if (!window_[k].used) continue;
+      e.template segment<6>(k * block_dim) = window_[k].pose.correction().template cast<double>();
+      if constexpr (has_imu) e.template segment<9>(k * block_dim + 6) = inertial_.correction(k).template cast<double>();
     }
     return e;
   }
@@ -206,19 +312,54 @@ class WindowBackend {
 
   double prior_cost() const { return (prior_.r0 + prior_.J0 * corrections()).squaredNorm() / 2; }
 
-  /// The prior, and an identity for every slot without a keyframe.
+  double inertial_cost() const {
+    if constexpr (has_imu) {
+      if (inertial_started_) return inertial_.cost(window_);
+    }
+    return 0;
+  }
+
+  void fix_linearization_point(int slot) {
+    window_.pose(slot).fix_linearization_point();
+    if constexpr (has_imu) inertial_.fix_linearization_point(slot);
+  }
+
+  /// A prior on the leading parameters of one frame alone, which is its own linearization point.
+  template <int Rows, int Columns>
+  void set_prior(int slot, const Mat<double, Rows, Columns>& J) {
+    prior_.J0.resize(Rows, dim);
+    prior_.J0.setZero();
+    prior_.J0.template block<Rows, Columns>(0, slot * block_dim) = J;
+    prior_.r0.setZero(Rows);
+    fix_linearization_point(slot);
+  }
+
+  /// The prior, the inertial rows, and an identity for every parameter that nothing speaks of.
   void build_equations() {
     equations_.reset(K);
     equations_.add_dense(prior_.J0, prior_.r0, corrections());
     for (int k = 0; k < K; ++k) {
-      if (window_[k].used) continue;
-      equations_.add(k, Mat<double, block_dim, block_dim>::Identity().eval(), Vec<double, block_dim>::Zero().eval(),
-                     1.0);
+      if (!window_[k].used) {
+        equations_.add(k, Mat<double, block_dim, block_dim>::Identity().eval(), Vec<double, block_dim>::Zero().eval(),
+                       1.0);
+      } else if (has_imu && !inertial_started_) {
+        Mat<double, block_dim, block_dim> J = Mat<double, block_dim, block_dim>::Identity();
+        J.template topLeftCorner<6, 6>().setZero();
+        equations_.add(k, J, Vec<double, block_dim>::Zero().eval(), 1.0);
+      }
+    }
+    if constexpr (has_imu) {
+      if (!inertial_started_) return;
+      inertial_.for_each_row(window_, -1, [&](int i, const auto& J_i, int j, const auto& J_j, const auto& r) {
+        equations_.add(i, J_i, j, J_j, r, 1.0);
+      });
     }
   }
 
   Options options_;
   Window window_, backup_;
+  [[no_unique_address]] Inertial inertial_;
+  bool inertial_started_ = false;
   WindowViews<S, K> views_;
   Prior<dim> prior_;
   Marginalizer<dim, 64> marginalizer_;

@@ -15,6 +15,9 @@ struct Estimate {
   TimeNs t_ns = 0;
   SE3<S> T_world_body;                                 ///< body = camera where there is no IMU
   Mat<S, 6, 6> covariance = Mat<S, 6, 6>::Identity();  ///< of [dphi, dp], right increments [rad, m]
+  Vec<S, 3> v_world_body = Vec<S, 3>::Zero();          ///< rigs with an IMU [m/s]
+  Vec<S, 3> bias_gyro = Vec<S, 3>::Zero();             ///< [rad/s]
+  Vec<S, 3> bias_accel = Vec<S, 3>::Zero();            ///< [m/s^2]
   Health health;
   int tracked = 0;  ///< located landmarks that support the pose
   bool keyframe = false;

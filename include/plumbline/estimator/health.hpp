@@ -18,6 +18,9 @@ enum class HealthReason : std::uint8_t {
   few_inliers,    ///< most of what is tracked does not fit one rigid motion
   no_depth,       ///< the depth image has no measurement where the features are
   unconstrained,  ///< the features seen do not determine the pose
+  aligning,       ///< vision works; scale, gravity and biases are not known yet, see InitReport
+  no_imu_data,    ///< inertial samples are missing
+  coasting,       ///< the pose is that of the IMU alone
 };
 
 struct Health {
@@ -42,6 +45,9 @@ constexpr const char* name_of(HealthReason reason) {
     case HealthReason::few_inliers: return "few inliers";
     case HealthReason::no_depth: return "no depth";
     case HealthReason::unconstrained: return "unconstrained";
+    case HealthReason::aligning: return "aligning";
+    case HealthReason::no_imu_data: return "no IMU data";
+    case HealthReason::coasting: return "coasting";
   }
   return "unknown";
 }

@@ -15,6 +15,7 @@
 #include "plumbline/feature/point_window_terms.hpp"
 #include "plumbline/feature/view.hpp"
 #include "plumbline/geometry/pose_ransac.hpp"
+#include "plumbline/geometry/triangulation.hpp"
 #include "plumbline/mapping/frame_window.hpp"
 #include "plumbline/tracking/corner_detector.hpp"
 #include "plumbline/tracking/feature_alignment.hpp"
@@ -34,6 +35,7 @@ struct PointOptions {
   OpticalFlowOptions flow;
   AlignmentOptions alignment;
   CornerOptions corners;
+  TriangulationOptions triangulation;
 };
 
 template <SensorRig Sensors, int Capacity, int Slots>
@@ -158,14 +160,49 @@ class PointMap {
     if (n > 0) first_search_ = (first_search_ + static_cast<std::size_t>(options_.max_searches)) % n;
   }
 
-  /// Records what the latest frame saw as observations of the keyframe in `slot`, which becomes the anchor of landmarks
-  /// made from newly found corners.
+  /// Records what the latest frame saw as observations of the frame in `slot`.
+  void record(int slot) {
+    for (Landmark& landmark : landmarks_) landmark.observations[static_cast<std::size_t>(slot)] = landmark.current;
+  }
+
+  /// The same for a keyframe, which becomes the anchor of landmarks made from newly found corners.
   void insert_keyframe(const View<Sensors>& view, const Window& window, int slot) {
+    record(slot);
     for (Landmark& landmark : landmarks_) {
-      landmark.observations[static_cast<std::size_t>(slot)] = landmark.current;
       if (!landmark.located && landmark.current.valid) locate_from_depth(view, window, landmark, slot);
     }
     detect(view, slot);
+  }
+
+  /// Locates landmarks that have no depth by the latest frame's view of them, where the parallax allows.
+  void triangulate(const View<Sensors>& view, const Window& window, const SE3<S>& T_world_body) {
+    const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
+    const S sigma_rad = S(options_.sigma_flow_px) / effective_focal_length(view.rig.vision.camera);
+    for (Landmark& landmark : landmarks_) {
+      if (landmark.located || !landmark.current.valid) continue;
+      const Unprojection<S> ray = view.rig.vision.camera.unproject(landmark.current.uv.template cast<S>());
+      if (!ray.valid) continue;
+      const std::array<TriangulationView<S>, 1> views{
+          {{T_cam_world * (window[landmark.anchor].pose.value() * view.T_body_cam), ray.bearing, sigma_rad}}};
+      locate(landmark, plumbline::triangulate<S>(landmark.bearing, views, options_.triangulation));
+    }
+  }
+
+  /// Gives visit(bearing in the anchor, bearing now) of every landmark anchored in `slot` that the latest frame sees.
+  void for_each_pair(const View<Sensors>& view, int slot, auto&& visit) const {
+    for (const Landmark& landmark : landmarks_) {
+      if (landmark.anchor != slot || !landmark.current.valid) continue;
+      const Unprojection<S> ray = view.rig.vision.camera.unproject(landmark.current.uv.template cast<S>());
+      if (ray.valid) visit(landmark.bearing, ray.bearing);
+    }
+  }
+
+  /// All lengths become `scale` times what they were.
+  void rescale(S scale) {
+    for (Landmark& landmark : landmarks_) {
+      landmark.inverse_range /= scale;
+      landmark.sigma_inverse_range /= scale;
+    }
   }
 
   /// Forgets the keyframe in `slot` and every landmark that is anchored there.
@@ -247,6 +284,13 @@ class PointMap {
     landmark.current.uv_slope = still.uv_slope.template cast<float>();
     landmark.current.L = Mat<float, 2, 2>::Identity() / float(options_.sigma_flow_px);
     if constexpr (Sensors::has_depth) landmark.current.depth = view.rig.vision.depth.at(view.depth, pixel);
+  }
+
+  static void locate(Landmark& landmark, const Triangulation<S>& found) {
+    if (!found.valid) return;
+    landmark.located = true;
+    landmark.inverse_range = found.inverse_range;
+    landmark.sigma_inverse_range = std::sqrt(found.variance);
   }
 
   /// The inverse range of a landmark from the depth measured in keyframe `slot`.

@@ -34,7 +34,7 @@
 
 namespace plumbline {
 
-struct AlignmentOptions {
+struct InertialAlignmentOptions {
   bool metric = false;  ///< translations of the camera poses are in metres
   double gravity = standard_gravity<double>;
   double rotation_sigma = 2e-3;   ///< of a camera pose [rad]
@@ -76,7 +76,7 @@ constexpr const char* name_of(AlignmentOutcome outcome) {
 }
 
 template <std::floating_point S, int MaxFrames>
-struct Alignment {
+struct InertialAlignment {
   AlignmentOutcome outcome = AlignmentOutcome::too_few_frames;
   SO3<S> R_world_ref;
   S scale = S(1);  ///< metres in one unit of the camera poses
@@ -127,7 +127,7 @@ double excitation(std::span<const AlignmentFrame<P>> frames, const SO3<double>& 
 template <int MaxFrames, class P>
 bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chain, const AlignmentFrame<P>& begin,
                         const AlignmentFrame<P>& end, const SE3<double>& T_body_cam, double lambda,
-                        const AlignmentOptions& options) {
+                        const InertialAlignmentOptions& options) {
   using Mat3 = Mat<double, 3, 3>;
   const auto& d = end.imu->increment();
   const double t = double(d.duration);
@@ -163,14 +163,14 @@ bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chai
 
 /// At most MaxFrames frames in order of time. Leaves the frames' preintegrations integrated about the biases found.
 template <int MaxFrames, class P>
-Alignment<typename P::Scalar, MaxFrames> align(std::span<const AlignmentFrame<P>> frames,
-                                               const SE3<typename P::Scalar>& T_body_cam,
-                                               const AlignmentOptions& options = {}) {
+InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const AlignmentFrame<P>> frames,
+                                                                const SE3<typename P::Scalar>& T_body_cam,
+                                                                const InertialAlignmentOptions& options = {}) {
   using S = typename P::Scalar;
   using Unknowns = detail::AlignmentUnknowns;
   using Row = Mat<double, 1, Unknowns::count>;
   PLUMBLINE_ASSERT(frames.size() <= std::size_t(MaxFrames));
-  Alignment<S, MaxFrames> out;
+  InertialAlignment<S, MaxFrames> out;
   const auto stop = [&](AlignmentOutcome outcome) {
     out.outcome = outcome;
     return out;

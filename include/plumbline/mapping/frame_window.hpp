@@ -74,11 +74,23 @@ class FrameWindow {
     return slot;
   }
 
-  /// Frees a slot. The newest keyframe can only leave with all others.
+  /// Frees a slot; not the last one.
   void remove(int slot) {
-    PLUMBLINE_ASSERT(keyframes_[slot].used && slot != newest_);
+    PLUMBLINE_ASSERT(keyframes_[slot].used && size_ > 1);
     keyframes_[slot].used = false;
     --size_;
+    if (slot == newest_) newest_ = before(keyframes_[slot].sequence);
+  }
+
+  /// Slot of the newest keyframe among those older than `sequence`; -1 when there is none.
+  int before(std::uint32_t sequence) const {
+    int found = -1;
+    for (int k = 0; k < Slots; ++k) {
+      const Keyframe& keyframe = keyframes_[k];
+      if (!keyframe.used || keyframe.sequence >= sequence) continue;
+      if (found < 0 || keyframe.sequence > keyframes_[found].sequence) found = k;
+    }
+    return found;
   }
 
   void clear() {

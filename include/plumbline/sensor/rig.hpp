@@ -30,7 +30,7 @@ struct Rig {
   /// Camera to body coordinates; the identity where there is no IMU to define another body.
   SE3<Scalar> T_body_cam() const {
     if constexpr (has_imu) {
-      return imu.T_body_cam;
+      return imu.T_body_cam.template cast<Scalar>();
     } else {
       return {};
     }
