@@ -1,0 +1,214 @@
+// The window on simulated observations with exact truth: convergence, consistency of its covariance, and what must
+// never become known, the place and attitude of the whole.                                  docs/math/window.md
+#include "plumbline/backend/sliding_window.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <memory>
+#include <type_traits>
+
+#include "catch.hpp"
+#include "plumbline/feature/features.hpp"
+#include "plumbline/feature/points.hpp"
+#include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/testing/simulated_points.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+/// A camera that looks around in a cloud of points: some centimetres and `turn` radians from keyframe to keyframe.
+SE3<double> pose_at(int k, double turn) {
+  const double a = 0.12 * k;
+  return SE3<double>(SO3<double>::exp({0, turn * k, 0}) * SO3<double>::exp({0.1 * std::sin(a), 0, 0.1 * std::cos(a)}),
+                     Vec<double, 3>(0.8 * std::sin(a), 0.2 * std::sin(2 * a), 0.8 * std::cos(a)));
+}
+
+template <class S, int K = 6>
+struct Run {
+  using Sensors = Rig<Rgbd<Pinhole<S>>>;
+  using Map = typename Points<120>::template Map<Sensors, K>;
+  using Maps = FeatureMaps<Map>;
+  using Backend = WindowBackend<Sensors, Maps, K>;
+
+  testing::SimulatedPoints points;
+  double turn;  ///< [rad] from keyframe to keyframe
+  WindowOptions options;
+  testing::Gaussian noise;
+  Sensors rig{};
+  std::unique_ptr<Maps> maps = std::make_unique<Maps>(typename Maps::Options{});
+  std::unique_ptr<Backend> backend;
+  SE3<double> T_start;  ///< what the first keyframe is believed to be
+  int keyframes = 0, marginalizations = 0;
+  LevenbergMarquardtSummary summary;
+
+  Run(std::uint64_t seed, double noise_scale, double turn_rad = 0.05, double sigma_first = 1e-3, double mu = 1e-4)
+      : turn(turn_rad), noise(seed) {
+    points.noise_scale = noise_scale;
+    points.scatter(900, {3.5, 2, 3.5}, seed + 100);
+    rig.vision.camera = {S(460), S(460), S(319.5), S(239.5), {}};
+    options.sigma_first_rotation = options.sigma_first_position = sigma_first;
+    options.solver.max_iterations = 20;
+    options.solver.mu_initial = mu;
+    backend = std::make_unique<Backend>(options);
+  }
+
+  /// One more keyframe: guessed, seen, optimized, and one leaves when there is no room for the next.
+  void add_keyframe() {
+    const SE3<double> T = pose_at(keyframes, turn);
+    Vec<double, 6> error;
+    error << 0.01 * noise.vector<3>(), 0.02 * noise.vector<3>();
+    int slot;
+    if (keyframes == 0) {
+      T_start = plus(T, Vec<double, 6>(points.noise_scale * options.sigma_first_position * noise.vector<6>()));
+      slot = backend->start(0, T_start.template cast<S>());
+    } else {
+      const SE3<double> T_believed = T_start * pose_at(0, turn).inverse() * T;
+      slot = backend->insert(keyframes, plus(T_believed, error).template cast<S>());
+    }
+    maps->for_each([&](Map& map) {
+      for (std::size_t i = map.landmarks().size(); i-- > 0;) {  // those out of sight and seen too little make room
+        if (!map.landmarks()[i].current.valid && map.landmarks()[i].observation_count() < 3) {
+          map.landmarks().swap_remove(i);
+        }
+      }
+      points.observe(map, T, slot, noise);
+    });
+    summary = backend->optimize(rig, *maps);
+    ++keyframes;
+  }
+  void make_room() {
+    if (!backend->window().full()) return;
+    backend->marginalize(rig, *maps, backend->most_redundant(S(3)));
+    ++marginalizations;
+  }
+  void add_keyframes(int count) {
+    for (int i = 0; i < count; ++i) {
+      make_room();
+      add_keyframe();
+    }
+  }
+
+  SE3<double> truth() const { return pose_at(keyframes - 1, turn); }
+  SE3<double> estimate() const {
+    return backend->window()[backend->window().newest()].pose.value().template cast<double>();
+  }
+  Vec<double, 6> error() const { return minus(estimate(), truth()); }
+  Mat<double, 6, 6> covariance() const {
+    Mat<S, 6, 6> out = Mat<S, 6, 6>::Zero();
+    REQUIRE(backend->newest_covariance(out));
+    return out.template cast<double>();
+  }
+  /// Normalized estimation error squared, chi-square with six degrees of freedom for a consistent estimate.
+  double nees() const { return error().dot(covariance().ldlt().solve(error())); }
+
+  /// Covariance of the newest pose that the first keyframe's prior alone would give, all else perfectly known: no
+  /// measurement of points tells where the whole is, so the estimate's can never be below.
+  Mat<double, 6, 6> covariance_of_the_whole() const {
+    const SE3<double> T_newest =
+        backend->window()[backend->window().newest()].pose.linearization_point().template cast<double>();
+    const Mat<double, 6, 6> Ad = (T_newest.inverse() * T_start.template cast<S>().template cast<double>()).adjoint();
+    const double sigma = options.sigma_first_position;
+    return sigma * sigma * Ad * Ad.transpose();
+  }
+  /// How much smaller than it can be the covariance is in its best known direction: 1 or more is right.
+  double information_kept_out() const {
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Mat<double, 6, 6>> eigen(covariance(), covariance_of_the_whole());
+    return eigen.eigenvalues().minCoeff();
+  }
+};
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("sliding_window: without noise it converges to the truth, keyframe after keyframe", "", float,
+                   double) {
+  using S = TestType;
+  constexpr bool single = std::is_same_v<S, float>;
+  Run<S> run(1, 0);
+  for (int k = 0; k < 20; ++k) {
+    run.add_keyframes(1);
+    CAPTURE(k);
+    REQUIRE((k == 0 || run.summary.initial_cost > 10));
+    REQUIRE(run.summary.final_cost < (single ? 1e-2 : 1e-6));
+    REQUIRE(run.error().norm() < (single ? 1e-3 : 1e-5));
+  }
+  REQUIRE(run.marginalizations == 14);
+}
+
+TEST_CASE("sliding_window: the covariance of the newest pose is that of its errors") {
+  constexpr int seeds = 30, dof = 6;
+  double sum = 0, worst = 0, sum_later = 0;
+  for (int seed = 0; seed < seeds; ++seed) {
+    Run<double> run(std::uint64_t(seed), 1);
+    run.add_keyframes(6);  // nothing marginalized
+    REQUIRE(run.marginalizations == 0);
+    sum += run.nees();
+    worst = std::max(worst, run.nees());
+    run.add_keyframes(20);
+    sum_later += run.nees();
+  }
+  const double mean = sum / (seeds * dof), mean_later = sum_later / (seeds * dof);
+  // The sum is chi-square with 180 degrees of freedom: 99.9 % of it are within 0.69 and 1.38 of their number.
+  CAPTURE(mean, mean_later, worst);
+  REQUIRE(mean > 0.69);
+  REQUIRE(mean < 1.38);
+  REQUIRE(mean_later > 0.69);
+  REQUIRE(mean_later < 1.38);
+}
+
+TEST_CASE("sliding_window: no measurement tells where the whole is, after whatever marginalizations") {
+  // The prior of the first pose is wide and there is no damping to speak of, so that any other information shows.
+  Run<double> run(3, 1, 0.1, 0.1, 1e-12);
+  for (int k = 0; k < 40; ++k) {
+    run.add_keyframes(1);
+    CAPTURE(k);
+    REQUIRE(run.information_kept_out() > 1 - 1e-6);
+  }
+  REQUIRE(run.marginalizations > 30);
+}
+
+TEST_CASE("sliding_window: the same input gives the same output to the last bit") {
+  Run<float> a(2, 1), b(2, 1);
+  for (int k = 0; k < 12; ++k) {
+    a.add_keyframes(1);
+    b.add_keyframes(1);
+    REQUIRE(a.estimate().p() == b.estimate().p());
+    REQUIRE(a.covariance() == b.covariance());
+    REQUIRE(a.summary.final_cost == b.summary.final_cost);
+  }
+}
+
+TEST_CASE("sliding_window: an observation that is no number is dropped, and the window goes on") {
+  Run<double> run(4, 1);
+  run.add_keyframes(4);
+  const int slot = run.backend->window().newest();
+  run.maps->for_each([&](auto& map) {
+    for (auto& landmark : map.landmarks()) {
+      if (landmark.anchor != slot && landmark.observations[std::size_t(slot)].valid) {
+        landmark.observations[std::size_t(slot)].uv.x() = std::nanf("");
+        break;
+      }
+    }
+  });
+  const SE3<double> before = run.estimate();
+  REQUIRE(run.backend->optimize(run.rig, *run.maps).termination == LevenbergMarquardtEnd::not_finite);
+  REQUIRE(minus(run.estimate(), before).norm() == 0);
+  REQUIRE(std::isfinite(run.backend->optimize(run.rig, *run.maps).final_cost));
+  run.add_keyframes(10);
+  REQUIRE(run.error().norm() < 0.02);
+}
+
+TEMPLATE_TEST_CASE("sliding_window: in fast rotation the prior holds the window to the world", "", float, double) {
+  Run<TestType> run(5, 1, 0.35);  // 20 degrees from keyframe to keyframe: few landmarks live long
+  run.add_keyframes(6);
+  const double before = std::sqrt(run.covariance().template bottomRightCorner<3, 3>().trace());
+  double sigma = before;
+  while (run.marginalizations < 60) {
+    run.add_keyframes(1);
+    sigma = std::sqrt(run.covariance().template bottomRightCorner<3, 3>().trace());
+    CAPTURE(run.keyframes, before, sigma);
+    REQUIRE(sigma < before * std::sqrt(double(run.keyframes)));
+    REQUIRE(run.error().template tail<3>().norm() < 5 * sigma);
+  }
+}
