@@ -52,7 +52,7 @@ class ReferencePatch {
 
  private:
   std::array<std::array<std::uint8_t, size * size>, max_levels> pixels_{};
-  std::array<Vec<float, 2>, max_levels> centres_;
+  std::array<Vec<float, 2>, max_levels> centres_{Vec<float, 2>::Zero(), Vec<float, 2>::Zero(), Vec<float, 2>::Zero()};
   int levels_ = 0;
 };
 
