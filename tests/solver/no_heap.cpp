@@ -1,14 +1,7 @@
 // Nothing in solver/ allocates: neither through Eigen (checked also in release builds) nor through operator new.
-namespace {
-bool watching = false;
-int allocations = 0;
-}  // namespace
-#define EIGEN_RUNTIME_NO_MALLOC
-#define eigen_assert(condition) (static_cast<bool>(condition) ? void() : void(allocations += watching ? 1 : 0))
+#include "allocation_counter.hpp"
 
-#include <cstdlib>
 #include <memory>
-#include <new>
 
 #include "catch.hpp"
 #include "plumbline/solver/gauss_newton.hpp"
@@ -18,29 +11,10 @@ int allocations = 0;
 #include "plumbline/solver/normal_equations.hpp"
 #include "plumbline/solver/robust_loss.hpp"
 
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"  // inlined, ours looks like malloc to the compiler
-void* operator new(std::size_t size) {
-  allocations += watching ? 1 : 0;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-
 using namespace plumbline;
+using test::allocations_of;
 
 namespace {
-
-template <class F>
-int allocations_of(F&& f) {
-  allocations = 0;
-  watching = true;
-  Eigen::internal::set_is_malloc_allowed(false);
-  f();
-  Eigen::internal::set_is_malloc_allowed(true);
-  watching = false;
-  return allocations;
-}
 
 /// One window iteration after the other, as large as a window with an IMU gets: 10 blocks of 15.
 template <class S, int L>
@@ -108,7 +82,7 @@ struct Window {
 template <class S, int L>
 void check() {
   auto window = std::make_unique<Window<S, L>>();
-  const int count = allocations_of([&] {
+  const long count = allocations_of([&] {
     for (int k = 0; k < 3; ++k) {
       const auto summary = levenberg_marquardt(*window);
       window->ok = window->ok && summary.iterations > 0;

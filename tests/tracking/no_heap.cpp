@@ -1,8 +1,7 @@
 // Nothing in image/ and tracking/ allocates: operator new and Eigen's own allocation are watched over one whole frame.
-#define EIGEN_RUNTIME_NO_MALLOC
-#include <cstdlib>
+#include "allocation_counter.hpp"
+
 #include <memory>
-#include <new>
 
 #include "catch.hpp"
 #include "plumbline/opencv/mat_view.hpp"
@@ -10,18 +9,6 @@
 #include "plumbline/tracking/feature_alignment.hpp"
 #include "plumbline/tracking/optical_flow.hpp"
 #include "tracking/warped_images.hpp"
-
-namespace {
-std::size_t allocations = 0;
-}
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 using namespace plumbline;
 
@@ -35,25 +22,24 @@ TEST_CASE("no heap: build, detect, capture, track and align") {
   const auto patches = std::make_unique<std::array<ReferencePatch, 150>>();
   FixedVector<Corner, 150> corners;
 
-  const std::size_t before = allocations;
-  REQUIRE(before > 0);  // the counter works
-  Eigen::internal::set_is_malloc_allowed(false);
-  bool built = previous->build(opencv::view<std::uint8_t>(image));
-  built = current->build(opencv::view<std::uint8_t>(moved)) && built;
-  detect_corners(previous->level(0), nullptr, 0, CornerOptions{}, corners);
+  bool built = false;
   int tracked = 0, aligned = 0;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const testing::Vec2f uv = corners[i].uv;
-    const FlowResult flow = track_point_checked(*previous, *current, uv, uv, OpticalFlowOptions{});
-    tracked += flow.valid;
-    (*patches)[i].capture(*previous, uv);
-    const Mat<float, 2, 2> A = Mat<float, 2, 2>::Identity();
-    aligned += align_patch((*patches)[i], A, *current, uv, AlignmentOptions{}).valid;
-    align_edge((*patches)[i], A, *current, uv, edge_normal(A, testing::Vec2f::UnitX()), AlignmentOptions{});
-  }
-  Eigen::internal::set_is_malloc_allowed(true);
-  const std::size_t after = allocations;
-  REQUIRE(after == before);
+  const long allocations = test::allocations_of([&] {
+    built = previous->build(opencv::view<std::uint8_t>(image));
+    built = current->build(opencv::view<std::uint8_t>(moved)) && built;
+    detect_corners(previous->level(0), nullptr, 0, CornerOptions{}, corners);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const testing::Vec2f uv = corners[i].uv;
+      const FlowResult flow = track_point_checked(*previous, *current, uv, uv, OpticalFlowOptions{});
+      tracked += flow.valid;
+      (*patches)[i].capture(*previous, uv);
+      const Mat<float, 2, 2> A = Mat<float, 2, 2>::Identity();
+      aligned += align_patch((*patches)[i], A, *current, uv, AlignmentOptions{}).valid;
+      align_edge((*patches)[i], A, *current, uv, edge_normal(A, testing::Vec2f::UnitX()), AlignmentOptions{});
+    }
+  });
+  REQUIRE(allocations == 0);
+  REQUIRE(test::allocations_of([] { REQUIRE(std::make_unique<int>(3)); }) > 0);  // the watch sees what it should
   REQUIRE(built);
   REQUIRE(tracked > 100);
   REQUIRE(aligned > 100);
