@@ -237,3 +237,16 @@ TEST_CASE("landmark_elimination: refuses what is not finite, and what is too muc
   full.reset();
   REQUIRE(full.rows() == 0);
 }
+
+TEST_CASE("landmark_elimination: covariance of the landmark, the poses given") {
+  Random random(3);
+  LandmarkElimination<double, 4, pose_dim, poses, 12> rows;
+  const Mat<double, 12, 4> J = random_matrix<double, 12, 4>(random);
+  rows.add<12>(J, Vec<double, 12>::Zero());
+  for (const double mu : {0.0, 0.1}) {
+    REQUIRE(rows.eliminate(mu));
+    Mat<double, 4, 4> information = J.transpose() * J;
+    information.diagonal() *= 1 + mu;
+    REQUIRE((rows.landmark_covariance() * information - Mat<double, 4, 4>::Identity()).norm() < 1e-12);
+  }
+}

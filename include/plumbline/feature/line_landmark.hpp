@@ -32,16 +32,17 @@ inline Mat<float, 2, 2> endpoint_covariance(float sigma_px, float rms_px, float 
 template <class S>
 struct SegmentObservation {
   bool valid = false;
-  LineSegment segment;             ///< in the image
-  LineProfile profile;             ///< its appearance there
-  LineReprojection<S> pixels;      ///< in the middle of the frame, see RollingShutter
-  Mat<S, 2, 2> pixels_covariance;  ///< [px^2]
-  Mat<S, 2, 2> pixels_L;           ///< L^T L is its inverse
-  Mat<S, 3, 2> bearing_slope;      ///< d bearing / d readout of start and end [1/s]
+  LineSegment segment;  ///< in the image
+  LineProfile profile;  ///< its appearance there
+  /// In the middle of the frame, see RollingShutter.
+  LineReprojection<S> pixels{Vec<S, 3>::Zero(), Vec<S, 3>::Zero(), Vec<S, 2>::Zero()};
+  Mat<S, 2, 2> pixels_covariance = Mat<S, 2, 2>::Zero();  ///< [px^2]
+  Mat<S, 2, 2> pixels_L = Mat<S, 2, 2>::Zero();           ///< L^T L is its inverse
+  Mat<S, 3, 2> bearing_slope = Mat<S, 3, 2>::Zero();      ///< d bearing / d readout of start and end [1/s]
   bool has_depth = false;
-  LineInverseDepth<S> depth;
-  Mat<S, 2, 2> depth_covariance;  ///< [1/m^2]
-  Mat<S, 2, 2> depth_L;
+  LineInverseDepth<S> depth{Vec<S, 3>::Zero(), Vec<S, 3>::Zero(), Vec<S, 2>::Zero()};
+  Mat<S, 2, 2> depth_covariance = Mat<S, 2, 2>::Zero();  ///< [1/m^2]
+  Mat<S, 2, 2> depth_L = Mat<S, 2, 2>::Zero();
 
   /// False, and no change, when the covariance is not positive definite.
   bool set_pixels(const LineReprojection<S>& measurement, const Mat<S, 2, 2>& covariance) {

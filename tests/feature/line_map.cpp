@@ -1,0 +1,236 @@
+// The map of lines on rendered images, given the true poses or wrong ones.
+#include "plumbline/feature/line_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "catch.hpp"
+#include "estimator/simulation.hpp"
+#include "plumbline/feature/lines.hpp"
+#include "plumbline/sensor/rgbd.hpp"
+
+using namespace plumbline;
+using test::SimulatedRgbd;
+
+namespace {
+
+constexpr int slots = 4;
+using Sensors = Rig<Rgbd<Pinhole<double>, SimulatedRgbd::width * SimulatedRgbd::height>>;
+
+const SimulatedRgbd& room() {
+  static const SimulatedRgbd simulated(13);
+  return simulated;
+}
+const SE3<double>& truth(int i) { return room().T_world_cam[std::size_t(i)]; }
+
+double median(std::vector<double> x) {
+  REQUIRE_FALSE(x.empty());
+  std::nth_element(x.begin(), x.begin() + std::ptrdiff_t(x.size() / 2), x.end());
+  return x[x.size() / 2];
+}
+
+template <int N>
+struct Run {
+  using Map = typename Lines<N>::template Map<Sensors, slots>;
+  Sensors rig{};
+  bool with_depth = true;
+  std::unique_ptr<Map> map = std::make_unique<Map>(LineOptions{});
+  typename Map::Window window;
+  std::unique_ptr<std::array<RigPyramid<Sensors>, 2>> pyramids = std::make_unique<std::array<RigPyramid<Sensors>, 2>>();
+  int current = 0;
+
+  explicit Run(bool depth = true) : with_depth(depth) {
+    rig.vision.camera = room().camera;
+    rig.vision.width = SimulatedRgbd::width;
+    rig.vision.height = SimulatedRgbd::height;
+    insert_keyframe(0);
+  }
+
+  View<Sensors> view(int i) {
+    REQUIRE((*pyramids)[std::size_t(i % 2)].build(room().frames[std::size_t(i)].gray.view()));
+    current = i;
+    return {rig,
+            (*pyramids)[std::size_t(1 - i % 2)],
+            (*pyramids)[std::size_t(i % 2)],
+            with_depth ? room().frames[std::size_t(i)].depth.view() : ImageView<const std::uint16_t>{},
+            {},
+            {rig.vision.camera, SimulatedRgbd::height, 0, Vec<double, 3>::Zero()}};
+  }
+  void track(int i, const SE3<double>& T_predicted) { map->track(view(i), window, truth(i - 1), T_predicted); }
+  int insert_keyframe(int i) {
+    const int slot = window.insert(i, truth(i));
+    map->insert_keyframe(view(i), window, slot);
+    return slot;
+  }
+  /// To frame i with true poses.
+  void follow(int i) {
+    while (current < i) {
+      track(current + 1, truth(current + 1));
+      map->align(view(current), window, truth(current));
+    }
+  }
+  /// Distances [px] of what the current frame sees to the located lines, seen from the true pose.
+  std::vector<double> errors_px() const {
+    std::vector<double> out;
+    for (const auto& landmark : map->landmarks()) {
+      if (!landmark.current.valid || !landmark.located) continue;
+      const Plucker<double> line =
+          truth(current).inverse() * (window[landmark.anchor].pose.value() * landmark.line.plucker());
+      for (const double e : landmark.current.pixels.residual(line)) out.push_back(std::abs(e));
+    }
+    return out;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("line_map: lines located by one depth image fit the next frames") {
+  Run<60> run;
+  const int first = run.map->tracked_count();
+  REQUIRE(first >= 20);
+  run.follow(10);
+  const int left = run.map->tracked_count();
+  const std::vector<double> errors = run.errors_px();
+  CAPTURE(first, left, median(errors));
+  REQUIRE(left > 0.6 * first);
+  REQUIRE(median(errors) < 0.6);
+  double inverse_sum = 0, motion_px = 0;
+  int count = 0, moved = 0;
+  run.map->add_inverse_ranges(inverse_sum, count);
+  REQUIRE(count == left);
+  REQUIRE(count / inverse_sum > 1);
+  REQUIRE(count / inverse_sum < 4);
+  run.map->add_motion_since(0, motion_px, moved);
+  REQUIRE(moved >= left);
+  // The mean over lines of all directions is near the mean motion of the image.
+  double flow_px = 0;
+  for (const auto& landmark : run.map->landmarks()) {
+    if (!landmark.current.valid || !landmark.located) continue;
+    const Vec<double, 3> p = run.map->p_world(landmark, run.window, {});
+    flow_px +=
+        (room().camera.project(truth(0).inverse() * p).uv - room().camera.project(truth(10).inverse() * p).uv).norm() /
+        left;
+  }
+  CAPTURE(motion_px / moved, flow_px);
+  REQUIRE(motion_px / moved > 0.4 * flow_px);
+  REQUIRE(motion_px / moved < 2 * flow_px);
+}
+
+TEST_CASE(
+    "line_map: a prediction some pixels off loses little, and what is lost is found again where the pose is right") {
+  Run<60> right, wrong;
+  const int first = right.map->tracked_count();
+  for (int i = 1; i <= 5; ++i) {
+    right.follow(i);
+    const double sign = i % 2 == 0 ? 1 : -1;
+    wrong.track(i, plus(truth(i), Vec<double, 6>(sign * Vec<double, 6>(0.015, 0.02, 0.01, 0, 0, 0))));  // 5 px
+    wrong.map->align(wrong.view(i), wrong.window, truth(i));
+  }
+  REQUIRE(right.map->tracked_count() > 0.7 * first);
+  REQUIRE(wrong.map->tracked_count() > 0.9 * right.map->tracked_count());
+  REQUIRE(median(wrong.errors_px()) < 0.6);
+
+  const int tracked = right.map->tracked_count();
+  for (std::size_t i = 0; i < right.map->landmarks().size(); ++i) {
+    right.map->landmarks()[i].profile = right.map->landmarks()[i].current.profile;
+    right.map->reject_current(int(i));
+  }
+  REQUIRE(right.map->tracked_count() == 0);
+  right.map->align(right.view(5), right.window, truth(5));
+  REQUIRE(right.map->tracked_count() > 0.8 * tracked);
+}
+
+TEST_CASE("line_map: without depth, lines come from keyframes with parallax") {
+  Run<60> run(false);
+  REQUIRE(run.map->tracked_count() == 0);
+  REQUIRE(run.map->landmarks().size() > 20);
+  run.follow(12);
+  run.insert_keyframe(12);
+  REQUIRE(run.map->tracked_count() >= 5);
+  std::vector<double> errors;  // of inverse depth, in sigmas of the line's and 2 % of the depth image's
+  const ImageView<const std::uint16_t> depth = room().frames[12].depth.view();
+  for (const auto& landmark : run.map->landmarks()) {
+    if (!landmark.current.valid || !landmark.located) continue;
+    const Vec<double, 3> p = truth(12).inverse() * run.map->p_world(landmark, run.window, {});
+    const Vec<double, 2> uv = room().camera.project(p).uv;
+    if (!depth.contains(float(uv.x()), float(uv.y()), 2.0f)) continue;
+    double nearest = 1e9;  // an edge is where depth changes
+    for (int dy = -2; dy <= 2; ++dy) {
+      for (int dx = -2; dx <= 2; ++dx) {
+        const double z = depth(int(uv.x()) + dx, int(uv.y()) + dy) / 1000.0;
+        if (z > 0) nearest = std::min(nearest, std::abs(z - p.z()) / p.z());
+      }
+    }
+    errors.push_back(nearest);
+  }
+  CAPTURE(errors.size());
+  REQUIRE(median(errors) < 0.05);
+}
+
+TEST_CASE("line_map: one landmark for each edge, never more than there is room for") {
+  Run<12> run;
+  REQUIRE(run.map->landmarks().full());
+  run.follow(6);
+  run.insert_keyframe(6);
+  REQUIRE(run.map->landmarks().size() <= 12);
+
+  Run<60> large;
+  large.follow(6);
+  large.insert_keyframe(6);
+  const MergeOptions overlapping{.max_gap_px = 0};
+  for (const auto& a : large.map->landmarks()) {
+    for (const auto& b : large.map->landmarks()) {
+      if (a.id == b.id || !a.current.valid || !b.current.valid) continue;
+      REQUIRE_FALSE(are_one(a.current.segment, b.current.segment, overlapping));
+    }
+  }
+}
+
+TEST_CASE("line_map: a pose that is no number finds nothing, and the frame can be taken back") {
+  Run<60> run;
+  const int tracked = run.map->tracked_count();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const SE3<double> nowhere(SO3<double>(), Vec<double, 3>::Constant(nan));
+  run.track(1, nowhere);
+  run.map->align(run.view(1), run.window, nowhere);
+  REQUIRE(run.map->tracked_count() == 0);
+  run.map->undo_frame();
+  REQUIRE(run.map->tracked_count() == tracked);
+  run.map->prune();
+  REQUIRE(run.map->tracked_count() == tracked);
+}
+
+TEST_CASE(
+    "line_map: landmarks go with their anchor, when they are lost before they are known, and when all is cleared") {
+  Run<60> run;
+  run.map->landmarks().resize(40);
+  run.follow(6);
+  const int slot = run.insert_keyframe(6);
+  const std::size_t all = run.map->landmarks().size();
+  std::size_t of_first = 0;
+  for (const auto& landmark : run.map->landmarks()) of_first += landmark.anchor != slot;
+  REQUIRE(of_first > 0);
+  REQUIRE(of_first < all);
+  run.map->remove_keyframe(0);
+  REQUIRE(run.map->landmarks().size() == all - of_first);
+  for (const auto& landmark : run.map->landmarks()) REQUIRE(landmark.anchor == slot);
+
+  auto& known = run.map->landmarks()[0];
+  known.located = true;
+  known.current.valid = false;
+  for (auto& seen : known.observations) seen = run.map->landmarks()[1].current, seen.valid = true;
+  run.map->landmarks()[1].current.valid = false;  // one observation is not enough to wait for it
+  const std::uint32_t kept = known.id, dropped = run.map->landmarks()[1].id;
+  run.map->prune();
+  const auto has = [&](std::uint32_t id) {
+    return std::any_of(run.map->landmarks().begin(), run.map->landmarks().end(),
+                       [&](const auto& landmark) { return landmark.id == id; });
+  };
+  REQUIRE(has(kept));
+  REQUIRE_FALSE(has(dropped));
+  run.map->clear();
+  REQUIRE(run.map->landmarks().empty());
+}
