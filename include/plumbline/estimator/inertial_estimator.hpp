@@ -303,7 +303,6 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
       return;
     }
     this->estimate_readout(view, T, dt);
-    x.T_world_body = T;
     timing_.estimate = TimeSource::now() - begin - timing_.track;
 
     if (temporary_slot_ >= 0) backend_.drop(features_, temporary_slot_);

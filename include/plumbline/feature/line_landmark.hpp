@@ -147,6 +147,17 @@ struct LineLandmark {
     for (SegmentObservation<S>& seen : observations) seen.change_readout(change_s);
   }
 
+  /// All lengths become `scale` times what they were.                                                        (32)
+  void rescale(S scale) {
+    const S d = line.distance();
+    const Plucker<S> plucker = line.plucker();
+    line = Line3<S>(Plucker<S>{scale * plucker.n, plucker.v});
+    extent *= scale;
+    const S slope = scale * (1 + d * d) / (1 + scale * scale * d * d);
+    covariance.col(3) *= slope;
+    covariance.row(3) *= slope;
+  }
+
   /// The distances of both ends of the anchor's segment are known to a third, and the line keeps clear of the camera.
   bool is_sound() const {
     const SegmentObservation<S>& seen = seen_by_anchor();

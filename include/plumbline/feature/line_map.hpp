@@ -20,7 +20,9 @@
 #include "plumbline/geometry/line_depth.hpp"
 #include "plumbline/geometry/line_triangulation.hpp"
 #include "plumbline/mapping/frame_window.hpp"
+#include "plumbline/residual/anchored_line.hpp"
 #include "plumbline/sensor/line_depth_measurement.hpp"
+#include "plumbline/solver/gauss_newton.hpp"
 #include "plumbline/tracking/edge_map.hpp"
 #include "plumbline/tracking/line_segment_detector.hpp"
 #include "plumbline/tracking/line_tracking.hpp"
@@ -119,14 +121,37 @@ class LineMap {
     reject_duplicates();
   }
 
-  /// Records what the latest frame saw as observations of the keyframe in `slot`, which becomes the anchor of landmarks
-  /// made from newly found segments.
-  void insert_keyframe(const View<Sensors>& view, const Window& window, int slot) {
+  /// Records what the latest frame saw as observations of the frame in `slot`.
+  void record(int slot) {
+    for (Landmark& landmark : landmarks_) landmark.observations[static_cast<std::size_t>(slot)] = landmark.current;
+  }
+
+  /// The same for a keyframe, which becomes the anchor of lines located by its depth image and of newly found ones.
+  void insert_keyframe(const View<Sensors>& view, const Window&, int slot) {
+    record(slot);
     for (Landmark& landmark : landmarks_) {
-      landmark.observations[static_cast<std::size_t>(slot)] = landmark.current;
-      if (!landmark.located && landmark.current.valid) locate(view, window, landmark, slot);
+      if (!landmark.located && landmark.current.valid && landmark.current.has_depth) locate_from_depth(landmark, slot);
     }
     detect(view, slot);
+  }
+
+  /// Locates lines that have no depth by the latest frame's view of them, where the parallax allows.
+  void triangulate(const View<Sensors>& view, const Window& window, const SE3<S>& T_world_body) {
+    const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
+    for (Landmark& landmark : landmarks_) {
+      const Observation& in_anchor = landmark.seen_by_anchor();
+      if (landmark.located || !landmark.current.valid || !in_anchor.valid) continue;
+      const std::array<LineTriangulationView<S>, 2> views{
+          view_of(in_anchor, SE3<S>()),
+          view_of(landmark.current, T_cam_world * T_world_anchor(landmark, window, view.T_body_cam))};
+      const auto found = triangulate_line(std::span<const LineTriangulationView<S>>(views), options_.triangulation);
+      if (found.valid) locate(landmark, found.line, found.covariance);
+    }
+  }
+
+  /// All lengths become `scale` times what they were.
+  void rescale(S scale) {
+    for (Landmark& landmark : landmarks_) landmark.rescale(scale);
   }
 
   /// Forgets the keyframe in `slot` and every landmark that is anchored there.
@@ -250,29 +275,12 @@ class LineMap {
     }
   }
 
-  /// The line from the depth measured in keyframe `slot`, which becomes its anchor, or from all keyframes that saw it.
-  void locate(const View<Sensors>& view, const Window& window, Landmark& landmark, int slot) {
-    const Observation& seen = landmark.current;
-    if (seen.has_depth) {
-      locate_from_depth(landmark, slot);
-      return;
-    }
-    const Observation& in_anchor = landmark.seen_by_anchor();
-    if (!in_anchor.valid) return;
-    const SE3<S> T_world_anchor_cam = T_world_anchor(landmark, window, view.T_body_cam);
-    FixedVector<LineTriangulationView<S>, Slots> views;
-    views.push_back(view_of(in_anchor, SE3<S>()));
-    for (int k = 0; k < Slots; ++k) {
-      const Observation& other = landmark.observations[static_cast<std::size_t>(k)];
-      if (k == landmark.anchor || !other.valid || !window[k].used) continue;
-      views.push_back(view_of(other, (window[k].pose.value() * view.T_body_cam).inverse() * T_world_anchor_cam));
-    }
-    const LineTriangulation<S> found =
-        triangulate_line(std::span<const LineTriangulationView<S>>(views.data(), views.size()), options_.triangulation);
-    if (!found.valid) return;
-    landmark.line = found.line;
-    landmark.covariance = found.covariance;
-    landmark.set_extent(SE3<S>(), in_anchor.pixels.bearing_start, in_anchor.pixels.bearing_end);
+  /// A line in its anchor's camera.
+  static void locate(Landmark& landmark, const Line3<S>& line, const Mat<S, 4, 4>& covariance) {
+    const LineReprojection<S>& seen = landmark.seen_by_anchor().pixels;
+    landmark.line = line;
+    landmark.covariance = covariance;
+    landmark.set_extent(SE3<S>(), seen.bearing_start, seen.bearing_end);
     landmark.located = landmark.is_sound();
   }
 
@@ -281,22 +289,20 @@ class LineMap {
             std::sqrt(seen.pixels_covariance(0, 0)) * 2 / seen.pixels.px_per_rad.sum()};
   }
 
-  /// From the observation in `slot`, which has a depth.
+  /// The line from the depth measured in the keyframe in `slot`, which becomes its anchor.
   static void locate_from_depth(Landmark& landmark, int slot) {
     const Observation& seen = landmark.observations[static_cast<std::size_t>(slot)];
-    landmark.anchor = slot;
-    landmark.line = line_from_depth(seen.depth.m_start, seen.depth.m_end, seen.depth.inverse_depth_measured);
-    const auto pixels = AnchoredLine<LineReprojection<S>>{seen.pixels}.linearize_in_anchor(landmark.line);
-    const auto depth = AnchoredLine<LineInverseDepth<S>>{seen.depth}.linearize_in_anchor(landmark.line);
+    const Line3<S> line = line_from_depth(seen.depth.m_start, seen.depth.m_end, seen.depth.inverse_depth_measured);
+    const auto pixels = AnchoredLine<LineReprojection<S>>{seen.pixels}.linearize_in_anchor(line);
+    const auto depth = AnchoredLine<LineInverseDepth<S>>{seen.depth}.linearize_in_anchor(line);
     if (!pixels.valid || !depth.valid) return;
     DenseNormalEquations<double, 4> system;
     system.add(Mat<S, 2, 4>(seen.pixels_L * pixels.J_r_line), pixels.r, 1.0);
     system.add(Mat<S, 2, 4>(seen.depth_L * depth.J_r_line), depth.r, 1.0);
     Mat<double, 4, 4> covariance;
     if (!system.covariance(covariance)) return;
-    landmark.covariance = covariance.template cast<S>();
-    landmark.set_extent(SE3<S>(), seen.pixels.bearing_start, seen.pixels.bearing_end);
-    landmark.located = landmark.is_sound();
+    landmark.anchor = slot;
+    locate(landmark, line, covariance.template cast<S>());
   }
 
   /// New landmarks from segments that are no part of one in sight.

@@ -21,7 +21,6 @@
 
 namespace plumbline {
 
-/// Poses are the leading six parameters of blocks of BlockDim.
 template <SensorRig Sensors, class Map, int BlockDim>
 class LineWindowTerms {
  public:
@@ -32,7 +31,7 @@ class LineWindowTerms {
   static constexpr int slots = Window::slots;
   static constexpr int rows_per_view = Sensors::has_depth ? 4 : 2;
   static constexpr int max_rows = rows_per_view * slots + 4;
-  using Elimination = LandmarkElimination<S, 4, 6, slots, max_rows>;
+  using Elimination = LandmarkElimination<S, 4, BlockDim, slots, max_rows>;
 
   /// True when a landmark takes part: located and seen by a keyframe besides its anchor.
   static bool takes_part(const Landmark& landmark) {
@@ -69,7 +68,7 @@ class LineWindowTerms {
     for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
       steps_[i].setZero();
       if (!takes_part(map.landmarks()[i])) continue;
-      steps_[i] = eliminations_[i].back_substitute(d, BlockDim);
+      steps_[i] = eliminations_[i].back_substitute(d, Sensors::state_dim);
       predicted += eliminations_[i].predicted_decrease(steps_[i]);
     }
     return predicted;

@@ -3,7 +3,10 @@
 ///
 /// A pose that the marginalization prior touches keeps its linearization point x0 for ever and moves by a correction,
 /// x = x0 [+] e (first-estimate Jacobians): increments are added to e, Jacobians are taken at x0, and the prior is
-/// exactly r0 + J0 e. Every other pose is its own linearization point.
+/// exactly r0 + J0 e. A new pose gets the linearization point that stands to that of the newest keyframe as it stands to
+/// the newest keyframe itself,
+///   x0 = T0 T^-1 x,                                                                                          (3)
+/// so that Jacobians see how the two stand to each other now, however far the whole window has moved since.
 
 #include <array>
 #include <cstdint>
@@ -20,11 +23,13 @@ template <class S>
 class WindowPose {
  public:
   WindowPose() = default;
-  explicit WindowPose(const SE3<S>& T_world_body) : T_(T_world_body), T_linear_(T_world_body) {}
+  explicit WindowPose(const SE3<S>& T_world_body) : WindowPose(T_world_body, T_world_body) {}
+  WindowPose(const SE3<S>& T_world_body, const SE3<S>& T_linear)
+      : T_(T_world_body), T_linear_(T_linear), e_(minus(T_world_body, T_linear)) {}
 
   const SE3<S>& value() const { return T_; }
   const SE3<S>& linearization_point() const { return T_linear_; }
-  /// e; zero for a pose that no prior touches.
+  /// e
   const Vec<S, 6>& correction() const { return e_; }
 
   void add(const Vec<S, 6>& d) {
@@ -32,7 +37,7 @@ class WindowPose {
       e_ += d;
       T_ = plus(T_linear_, e_);
     } else {
-      T_ = T_linear_ = plus(T_, d);
+      *this = WindowPose(plus(T_, d), plus(T_linear_, d));
     }
   }
   /// From now on a prior refers to this linearization point.
@@ -68,7 +73,12 @@ class FrameWindow {
     PLUMBLINE_ASSERT(!full());
     int slot = 0;
     while (keyframes_[slot].used) ++slot;
-    keyframes_[slot] = {true, t_ns, ++sequence_, WindowPose<S>(T_world_body)};
+    WindowPose<S> pose(T_world_body);
+    if (size_ > 0) {
+      const WindowPose<S>& newest = keyframes_[newest_].pose;
+      pose = WindowPose<S>(T_world_body, newest.linearization_point() * newest.value().inverse() * T_world_body);  // (3)
+    }
+    keyframes_[slot] = {true, t_ns, ++sequence_, pose};
     ++size_;
     newest_ = slot;
     return slot;
