@@ -7,6 +7,7 @@
 
 #include "catch.hpp"
 #include "feature/seen_lines.hpp"
+#include "plumbline/testing/numeric_jacobian.hpp"
 #include "plumbline/tracking/line_fit.hpp"
 
 using namespace plumbline;
@@ -119,4 +120,23 @@ TEST_CASE("line_landmark: a line is sound while its distance is known and its an
   REQUIRE_FALSE(other.is_sound());
   other.line = Line3<double>(Plucker<double>{-line.n, line.v});  // behind the camera
   REQUIRE_FALSE(other.is_sound());
+}
+
+TEST_CASE("line_landmark: another unit of length") {
+  const SeenLines<double> scene(12);
+  for (const auto& original : scene.map->landmarks()) {
+    const double scale = 1.7;
+    auto landmark = original;
+    landmark.covariance.setIdentity();
+    landmark.rescale(scale);
+    for (const int i : {0, 1}) {
+      REQUIRE((landmark.at(landmark.extent[i]) - scale * original.at(original.extent[i])).norm() < 1e-9);
+    }
+    const auto scaled = [&](const Line3<double>& line) -> Vec<double, 4> {
+      const Plucker<double> x = line.plucker();
+      return minus(Line3<double>(Plucker<double>{scale * x.n, x.v}), landmark.line);
+    };
+    const Mat<double, 4, 4> J = testing::numeric_jacobian<4, 4>(scaled, original.line, 1e-5);
+    REQUIRE((landmark.covariance - J * J.transpose()).norm() < 1e-8);
+  }
 }
