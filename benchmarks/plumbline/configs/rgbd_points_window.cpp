@@ -13,5 +13,5 @@ using Sensors = pl::Rig<pl::Rgbd<pl::AnyCamera<double>, 1280 * 800>>;
 using Vo = pl::Estimator<Sensors, pl::Features<pl::Points<400>>, pl::SlidingWindow<10>, SteadyClock>;
 
 std::unique_ptr<Runner> make_rgbd_points_window(const pl::io::Calibration& calibration) {
-  return std::make_unique<EstimatorRunner<Vo, Sensors>>(make_rgbd<Sensors>(calibration));
+  return std::make_unique<EstimatorRunner<Vo, Sensors>>(make_sensors<Sensors>(calibration));
 }

@@ -1,9 +1,9 @@
 #pragma once
 /// Velocities and biases of a window's frames, and the IMU's increments between them.     docs/math/inertial_window.md
 ///
-/// A frame's increment comes from the frame before it; together they are a chain in time. Where a frame was marginalized
-/// the chain is cut, and the prior holds the ends together. Motions follow the rule of WindowPose: once a prior refers to
-/// one, its linearization point stays and it moves by a correction e.
+/// A frame's increment comes from the frame before it; together they are a chain in time. Where a frame was
+/// marginalized the chain is cut, and the prior holds the ends together. Motions follow the rule of WindowPose: once a
+/// prior refers to one, its linearization point stays and it moves by a correction e.
 
 #include <array>
 
@@ -19,11 +19,11 @@ namespace plumbline {
 
 struct InertialOptions {
   double gravity = standard_gravity<double>;
-  double rest_velocity_sigma = 0.01;   ///< of a body found at rest [m/s]
-  double rest_rotation_sigma = 2e-3;   ///< between two frames of one standstill [rad]
-  double rest_position_sigma = 2e-3;   ///< [m]
-  double start_gyro_bias_sigma = 0.02;   ///< prior of the first frame [rad/s]
-  double start_accel_bias_sigma = 0.1;   ///< [m/s^2]
+  double rest_velocity_sigma = 0.01;    ///< of a body found at rest [m/s]
+  double rest_rotation_sigma = 2e-3;    ///< between two frames of one standstill [rad]
+  double rest_position_sigma = 2e-3;    ///< [m]
+  double start_gyro_bias_sigma = 0.02;  ///< prior of the first frame [rad/s]
+  double start_accel_bias_sigma = 0.1;  ///< [m/s^2]
 };
 
 template <class S, int Slots>
@@ -113,8 +113,8 @@ class InertialChain {
         }
       }
       if (!link.at_rest) continue;
-      const auto rest = ZeroMotion<S>{}.linearize(x_i.T_world_body, x_j.T_world_body, x_i0.T_world_body,
-                                                  x_j0.T_world_body);
+      const auto rest =
+          ZeroMotion<S>{}.linearize(x_i.T_world_body, x_j.T_world_body, x_i0.T_world_body, x_j0.T_world_body);
       const Vec<S, 6> w = rest_weights();
       Mat<S, 9, 15> J_i = Mat<S, 9, 15>::Zero(), J_j = Mat<S, 9, 15>::Zero();
       J_i.template topLeftCorner<6, 6>() = w.asDiagonal() * rest.J_r_i;

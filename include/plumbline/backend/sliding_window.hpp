@@ -68,26 +68,19 @@ class WindowBackend {
 
   /// A frame with its inertial state, the increment since the frame in slot `previous` (-1: none) and whether the body
   /// stood still since then.
-  int insert(TimeNs t_ns, const NavState<S>& x, int previous, const Preintegration<S>& increment, bool at_rest)
-    requires has_imu
-  {
+  int insert(TimeNs t_ns, const NavState<S>& x, int previous, const Preintegration<S>& increment,
+             bool at_rest) requires has_imu {
     const int slot = window_.insert(t_ns, x.T_world_body);
     inertial_.insert(slot, x, previous, increment, at_rest);
     return slot;
   }
 
   /// The state of a frame.
-  NavState<S> state(int slot) const
-    requires has_imu
-  {
-    return inertial_.state(window_, slot);
-  }
+  NavState<S> state(int slot) const requires has_imu { return inertial_.state(window_, slot); }
 
   /// Gives frame k of the window the state `state_of(k)` and starts anew from there: no prior but the position and
   /// heading of the oldest frame and a belief about its biases. From now on the IMU takes part.
-  void start_inertial(auto&& state_of)
-    requires has_imu
-  {
+  void start_inertial(auto&& state_of) requires has_imu {
     int oldest = window_.newest();
     for (int k = 0; k < K; ++k) {
       if (!window_[k].used) continue;
@@ -109,11 +102,7 @@ class WindowBackend {
   }
 
   /// Velocities that the positions and the increments between them ask for.
-  void guess_velocities()
-    requires has_imu
-  {
-    inertial_.guess_velocities(window_);
-  }
+  void guess_velocities() requires has_imu { inertial_.guess_velocities(window_); }
 
   /// Frees the slot of a frame that no landmark is anchored in and no prior knows, without a trace.
   void drop(FeatureSet& features, int slot) {

@@ -35,8 +35,8 @@ template <class Sensors, class FeatureSet, class BackendPolicy, Clock TimeSource
 class Estimator
     : public detail::EstimatorOf<Sensors::has_imu>::template Type<Sensors, FeatureSet, BackendPolicy, TimeSource> {
   static_assert(SensorRig<Sensors>, "plumbline: argument 1 must be a rig, e.g. Rig<Rgbd<Pinhole<float>>>");
-  using Base = typename detail::EstimatorOf<Sensors::has_imu>::template Type<Sensors, FeatureSet, BackendPolicy,
-                                                                             TimeSource>;
+  using Base =
+      typename detail::EstimatorOf<Sensors::has_imu>::template Type<Sensors, FeatureSet, BackendPolicy, TimeSource>;
 
  public:
   using Base::Base;

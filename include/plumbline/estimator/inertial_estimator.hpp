@@ -1,9 +1,9 @@
 #pragma once
 /// The estimator of a rig with an IMU.                                             docs/math/inertial_window.md
 ///
-/// Start: vision alone, as in a rig without IMU (a camera without depth first needs two views apart), until its poses and
-/// the IMU agree on scale, gravity, velocities and biases. Then every frame enters the window and the window is solved:
-/// a frame that is no keyframe is taken out again, without a trace, when the next one comes.
+/// Start: vision alone, as in a rig without IMU (a camera without depth first needs two views apart), until its poses
+/// and the IMU agree on scale, gravity, velocities and biases. Then every frame enters the window and the window is
+/// solved: a frame that is no keyframe is taken out again, without a trace, when the next one comes.
 ///
 /// Where the image is of no use (black, covered, featureless) the IMU carries the pose on, and says so.
 
@@ -91,16 +91,14 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     return stage_ == Stage::inertial ? T_body_cam : SE3<S>(T_body_cam.rotation(), Vec<S, 3>::Zero());
   }
 
-  TimeNs imu_time(TimeNs t_ns) const {
-    return t_ns + static_cast<TimeNs>(rig_.imu.camera_time_offset_s * 1e9);
-  }
+  TimeNs imu_time(TimeNs t_ns) const { return t_ns + static_cast<TimeNs>(rig_.imu.camera_time_offset_s * 1e9); }
 
   /// The readings since the last frame.
   void integrate(TimeNs t_ns) {
     since_frame_ = Preintegration<S>(noise_, state_.bias_gyro, state_.bias_accel);
-    coverage_ = imu_.for_each_interval(imu_time(estimate_.t_ns), imu_time(t_ns), [&](const ImuInterval<double>& interval) {
-      since_frame_.add(interval.template cast<S>());
-    });
+    coverage_ = imu_.for_each_interval(
+        imu_time(estimate_.t_ns), imu_time(t_ns),
+        [&](const ImuInterval<double>& interval) { since_frame_.add(interval.template cast<S>()); });
     since_keyframe_.append(since_frame_);
     S duration = since_frame_.increment().duration;
     if (!(duration > S(0))) duration = S(seconds_between(estimate_.t_ns, t_ns));
@@ -164,12 +162,15 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     });
     report_.features = static_cast<int>(pairs_.size());
     const InertialStartOptions& options = options_.fusion.start;
-    if (report_.features < options.min_pairs ||
-        seconds_between(one_view_ns_, t_ns) > options.max_start_s) {
-      start(view, t_ns);
-      return;
-    }
+    at_rest_ = finds_rest(t_ns);
+    // Tracks creep by themselves: before that looks like motion, the first view is taken again.
+    const bool crept = at_rest_ && this->mean_motion_px(keyframe_slot_) > options_.fusion.rest_motion_px;
     initializing(HealthReason::aligning, InitStage::little_parallax);
+    if (crept || report_.features < options.min_pairs || seconds_between(one_view_ns_, t_ns) > options.max_start_s) {
+      start(view, t_ns);
+    }
+    if (at_rest_) rest();
+    if (at_rest_ || stage_ == Stage::empty || one_view_ns_ == t_ns) return;
     const SO3<S> R_body_cam = view.T_body_cam.rotation();
     const SO3<S> R_2_1 = (T_predicted.rotation() * R_body_cam).inverse() * R_body_cam;
     const TwoView<S, max_pairs> found = two_view_.solve(pairs_, R_2_1, options.two_view);
@@ -191,6 +192,22 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     report_.stage = InitStage::aligning;
     alignment_.clear();
     alignment_.add(T_good_ * view.T_body_cam, since_frame_, 0);
+  }
+
+  /// Standing still before the start: all is known but the scale of what is seen. The world is the one that the window
+  /// will have, see try_to_align.
+  void rest() {
+    state_ = state_at_rest<S>(rest_, options_.backend.inertial.gravity);
+    estimate_.T_world_body = state_.T_world_body;
+    estimate_.v_world_body.setZero();
+    estimate_.bias_gyro = state_.bias_gyro;
+    estimate_.bias_accel = state_.bias_accel;
+    const S tilt = S(options_.backend.inertial.start_accel_bias_sigma / options_.backend.inertial.gravity);
+    const S position = S(options_.backend.inertial.rest_position_sigma);
+    estimate_.covariance = (Vec<S, 6>() << Vec<S, 3>::Constant(tilt * tilt), Vec<S, 3>::Constant(position * position))
+                               .finished()
+                               .asDiagonal();
+    estimate_.health = {HealthState::degraded, HealthReason::aligning};
   }
 
   /// One frame of vision alone.
@@ -255,11 +272,13 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     state_.bias_gyro = found.bias_gyro;
     state_.bias_accel = found.bias_accel;
     // Positions first, then the velocities that the increments between them ask for.
+    // The first body is the origin, upright and without yaw.
+    const SO3<S> R_world_ref =
+        upright<S>(found.R_world_ref.inverse() * gravity_in_world<S>(S(options_.backend.inertial.gravity)));
     const auto to_world = [&](const SE3<S>& T_ref_turned) {
       const SE3<S> T_ref_cam = T_ref_turned * view.T_body_cam;
-      return SE3<S>(found.R_world_ref * T_ref_cam.rotation(),
-                    found.R_world_ref * Vec<S, 3>(found.scale * T_ref_cam.p())) *
-             T_body_cam.inverse();
+      const SE3<S> T_first_body = SE3<S>(T_ref_cam.rotation(), found.scale * T_ref_cam.p()) * T_body_cam.inverse();
+      return SE3<S>(R_world_ref * T_first_body.rotation(), R_world_ref * Vec<S, 3>(T_first_body.p() + T_body_cam.p()));
     };
     backend_.start_inertial([&](int slot) {
       NavState<S> x = state_;
@@ -292,24 +311,24 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     const S blind_s = S(seconds_between(good_ns_, t_ns));  // the velocity gets worse while the image is of no use
     for (int k = 0; k < 3; ++k) {
       prior.sigma[k] = S(std::hypot(options.rotation_sigma, std::sqrt(double(S15(k, k)))));
-      prior.sigma[k + 3] = S(std::hypot(options.velocity_sigma * double(blind_s), std::sqrt(double(S15(k + 3, k + 3)))));
+      prior.sigma[k + 3] =
+          S(std::hypot(options.velocity_sigma * double(blind_s), std::sqrt(double(S15(k + 3, k + 3)))));
     }
     SE3<S> T = this->track(view, x.T_world_body);
     timing_.track = TimeSource::now() - begin;
     Mat<S, 6, 6> covariance;
     const bool seen = this->find_motion(view, &prior, T, covariance);
     if (!seen) {
-      coast(x, t_ns);
+      coast(view, x, t_ns);
       return;
     }
     this->estimate_readout(view, T, dt);
     timing_.estimate = TimeSource::now() - begin - timing_.track;
 
-    if (temporary_slot_ >= 0) backend_.drop(features_, temporary_slot_);
-    temporary_slot_ = -1;
-    find_rest(t_ns);
+    drop_temporary();
+    at_rest_ = finds_rest(t_ns);
     const bool keyframe = this->needs_keyframe() && !at_rest_;
-    const int slot = backend_.insert(t_ns, x, keyframe_slot_, since_keyframe_, at_rest_since_keyframe_);
+    const int slot = backend_.insert(t_ns, x, keyframe_slot_, since_keyframe_, at_rest_);
     features_.for_each([&](auto& map) {
       if (keyframe) {
         map.insert_keyframe(view, backend_.window(), slot);
@@ -327,10 +346,10 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
       map.prune();
     });
     good_ns_ = t_ns;
+    blind_frames_ = 0;
     publish(t_ns);
     if (keyframe) {
       adopt_keyframe(slot);
-      at_rest_since_keyframe_ = at_rest_;
       if (backend_.window().full()) backend_.marginalize(rig_, view.T_body_cam, features_, backend_.oldest());
     } else {
       temporary_slot_ = slot;
@@ -338,11 +357,20 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     timing_.map = TimeSource::now() - begin - timing_.track - timing_.estimate;
   }
 
-  /// The image is of no use: the IMU alone.
-  void coast(const NavState<S>& x, TimeNs t_ns) {
-    features_.for_each([](auto& map) { map.undo_frame(); });
+  /// The image does not give a pose: the IMU alone.
+  void coast(const View<Sensors>& view, const NavState<S>& x, TimeNs t_ns) {
     state_ = x;
-    at_rest_ = at_rest_since_keyframe_ = false;
+    at_rest_ = false;
+    if (feature_count() >= options_.min_landmarks) {  // followed, and located as soon as there is parallax
+      this->keep_image(x.T_world_body);
+      features_.for_each([&](auto& map) {
+        map.triangulate(view, backend_.window(), x.T_world_body);
+        map.prune();
+      });
+    } else {
+      features_.for_each([](auto& map) { map.undo_frame(); });
+      if (++blind_frames_ > options_.fusion.max_blind_frames) look_anew(view, t_ns);
+    }
     const Mat<S, 6, 6> before = estimate_.covariance;
     publish(t_ns);
     const S dt = since_frame_.increment().duration;
@@ -355,12 +383,37 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     estimate_.health = {lost ? HealthState::lost : HealthState::degraded, HealthReason::coasting};
   }
 
+  /// What was seen before is out of sight: a keyframe at the predicted pose, if the image shows corners at all.
+  void look_anew(const View<Sensors>& view, TimeNs t_ns) {
+    drop_temporary();
+    const int slot = backend_.insert(t_ns, state_, keyframe_slot_, since_keyframe_, false);
+    features_.for_each([&](auto& map) { map.insert_keyframe(view, backend_.window(), slot); });
+    if (feature_count() < options_.min_landmarks) {
+      backend_.drop(features_, slot);
+      return;
+    }
+    blind_frames_ = 0;
+    this->keep_image(state_.T_world_body);
+    adopt_keyframe(slot);
+    if (backend_.window().full()) backend_.marginalize(rig_, view.T_body_cam, features_, backend_.oldest());
+  }
+
+  void drop_temporary() {
+    if (temporary_slot_ >= 0) backend_.drop(features_, temporary_slot_);
+    temporary_slot_ = -1;
+  }
+
   void adopt_state(int slot) { state_ = backend_.state(slot); }
 
-  void find_rest(TimeNs t_ns) {
-    at_rest_ = this->mean_motion_px(keyframe_slot_) < options_.fusion.rest_motion_px &&
-               standstill(imu_, imu_time(t_ns), options_.fusion.standstill).at_rest();
-    at_rest_since_keyframe_ = at_rest_;
+  /// Nothing moved since the last keyframe, by image and IMU. Rest is left less easily than it is entered.
+  bool finds_rest(TimeNs t_ns) {
+    StandstillOptions options = options_.fusion.standstill;
+    const double slack = at_rest_ ? options_.fusion.rest_hysteresis : 1;
+    options.gyro_spread *= slack;
+    options.accel_spread *= slack;
+    if (!(this->mean_motion_px(keyframe_slot_) < slack * options_.fusion.rest_motion_px)) return false;
+    rest_ = standstill(imu_, imu_time(t_ns), options);
+    return rest_.at_rest();
   }
 
   void publish(TimeNs t_ns) {
@@ -386,7 +439,9 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
   Vec<S, 3> body_rate_ = Vec<S, 3>::Zero();
   Vec<S, 3> velocity_ = Vec<S, 3>::Zero();  ///< of vision alone, in its own unit
   int temporary_slot_ = -1;                 ///< of the latest frame when it is no keyframe
-  bool at_rest_ = false, at_rest_since_keyframe_ = false;
+  StandstillReport rest_;
+  bool at_rest_ = false;
+  int blind_frames_ = 0;    ///< in a row whose image was of no use
   TimeNs good_ns_ = 0;      ///< of the last frame whose image was of use
   TimeNs one_view_ns_ = 0;  ///< of the first of two views
   InitReport report_;

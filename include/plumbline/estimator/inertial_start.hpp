@@ -15,11 +15,11 @@
 namespace plumbline {
 
 struct InertialStartOptions {
-  double frame_interval_s = 0.1;     ///< between the poses that are aligned with the IMU
-  double min_parallax_rad = 0.035;   ///< of the two first views of a camera without depth
-  double min_inliers = 0.7;          ///< of the pairs, that fit the two views
+  double frame_interval_s = 0.1;    ///< between the poses that are aligned with the IMU
+  double min_parallax_rad = 0.035;  ///< of the two first views of a camera without depth
+  double min_inliers = 0.7;         ///< of the pairs, that fit the two views
   int min_pairs = 30;
-  double max_start_s = 4;            ///< longer without a second view: begin with a new first one
+  double max_start_s = 4;  ///< longer without a second view: begin with a new first one
   TwoViewOptions two_view;
   InertialAlignmentOptions alignment;
 };
@@ -29,21 +29,21 @@ enum class InitStage : std::uint8_t {
   few_features,     ///< the images show little that can be tracked
   little_parallax,  ///< a camera without depth must move sideways
   two_views_disagree,
-  aligning,         ///< see the alignment's outcome
+  aligning,  ///< see the alignment's outcome
   done,
 };
 
 struct InitReport {
   InitStage stage = InitStage::few_features;
   AlignmentOutcome alignment = AlignmentOutcome::too_few_frames;
-  int features = 0;           ///< in sight
-  double parallax_rad = 0;    ///< of the two first views
-  double inliers = 0;         ///< part of the pairs that fit them
-  double excitation = 0;      ///< [m/s^2]
-  double gravity_norm = 0;    ///< as vision and IMU have it before it is fixed [m/s^2]
-  double gyro_residual = 0;   ///< rotation of vision against the gyroscope [rad]
-  double scale_sigma = 0;     ///< relative
-  TimeNs done_ns = 0;         ///< time of the first inertial estimate
+  int features = 0;          ///< in sight
+  double parallax_rad = 0;   ///< of the two first views
+  double inliers = 0;        ///< part of the pairs that fit them
+  double excitation = 0;     ///< [m/s^2]
+  double gravity_norm = 0;   ///< as vision and IMU have it before it is fixed [m/s^2]
+  double gyro_residual = 0;  ///< rotation of vision against the gyroscope [rad]
+  double scale_sigma = 0;    ///< relative
+  TimeNs done_ns = 0;        ///< time of the first inertial estimate
 };
 
 constexpr const char* name_of(InitStage stage) {
@@ -89,8 +89,8 @@ class AlignmentWindow {
   Outcome align(const SE3<S>& T_body_cam, const InertialAlignmentOptions& options) {
     std::array<AlignmentFrame<Increment>, capacity> frames;
     for (std::size_t i = 0; i < frames_.size(); ++i) frames[i] = {frames_[i].T_ref_cam, &frames_[i].increment};
-    return align_inertial<capacity, Increment>(std::span<const AlignmentFrame<Increment>>(frames.data(), frames_.size()),
-                                               T_body_cam, options);
+    return align_inertial<capacity, Increment>(
+        std::span<const AlignmentFrame<Increment>>(frames.data(), frames_.size()), T_body_cam, options);
   }
 
  private:

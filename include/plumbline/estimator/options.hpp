@@ -19,28 +19,38 @@ struct MotionOptions {
 };
 
 struct KeyframeOptions {
-  double min_tracked_ratio = 0.5;  ///< of the landmarks in sight after the last keyframe
-  double max_motion_px = 80;       ///< mean motion of the landmarks since the last keyframe
+  double min_tracked_ratio;  ///< of the landmarks in sight after the last keyframe
+  double max_motion_px;      ///< mean motion of the landmarks since the last keyframe
 };
+
+/// A camera without depth locates its landmarks by keyframes, and velocities and biases want them close; depth alone
+/// drifts with every keyframe.
+template <class Sensors>
+constexpr KeyframeOptions default_keyframes() {
+  if (!Sensors::has_depth) return {0.7, 30};
+  return {0.5, Sensors::has_imu ? 50.0 : 80.0};
+}
 
 /// Of rigs with an IMU.
 struct FusionOptions {
-  double gyro_inflation = 2;   ///< of the calibrated densities: vibration, scale and alignment errors
+  double gyro_inflation = 2;  ///< of the calibrated densities: vibration, scale and alignment errors
   double accel_inflation = 5;
   double walk_inflation = 2;
-  double velocity_sigma = 0.1;        ///< of the velocity that predicts a frame [m/s]
-  double rotation_sigma = 5e-3;       ///< of the rotation since the last frame, beside the gyroscope's noise [rad]
-  int frame_iterations = 4;           ///< of the window for a frame that is no keyframe
-  double max_coasting_s = 3;          ///< on the IMU alone before the pose is called lost
-  double rest_motion_px = 0.5;        ///< landmarks that moved less since the last frame do not contradict a standstill
+  double velocity_sigma = 0.1;   ///< of the velocity that predicts a frame [m/s]
+  double rotation_sigma = 5e-3;  ///< of the rotation since the last frame, beside the gyroscope's noise [rad]
+  int frame_iterations = 4;      ///< of the window for a frame that is no keyframe
+  double max_coasting_s = 3;     ///< on the IMU alone before the pose is called lost
+  int max_blind_frames = 3;      ///< in a row, before new landmarks are looked for
+  double rest_motion_px = 0.5;   ///< landmarks that moved less since the last frame do not contradict a standstill
+  double rest_hysteresis = 2;    ///< limits are this much wider for a body at rest
   StandstillOptions standstill;
   InertialStartOptions start;
 };
 
-template <class Backend, class Maps>
+template <class Sensors, class Backend, class Maps>
 struct EstimatorOptions {
   MotionOptions motion;
-  KeyframeOptions keyframe;
+  KeyframeOptions keyframe = default_keyframes<Sensors>();
   PoseRansacOptions ransac;
   typename Backend::Options backend;
   typename Maps::Options features;

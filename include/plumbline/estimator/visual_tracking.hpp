@@ -34,7 +34,7 @@ class VisualTracking {
   using Frame = typename Sensors::Frame;
   using Maps = typename FeatureSet::template Maps<Sensors, BackendPolicy::slots>;
   using Backend = typename BackendPolicy::template Backend<Sensors, Maps>;
-  using Options = EstimatorOptions<Backend, Maps>;
+  using Options = EstimatorOptions<Sensors, Backend, Maps>;
 
   const Estimate<S>& latest() const { return estimate_; }
   const FrameTiming& timing() const { return timing_; }
@@ -67,11 +67,12 @@ class VisualTracking {
       if constexpr (Sensors::has_depth) return frame.depth;
       return {};
     };
-    return {rig_, pyramids_[last_], pyramids_[1 - last_], depth(), T_body_cam,
-            {rig_.vision.camera, rig_.vision.height, readout().value_s, Vec<S, 3>::Zero()}};
+    return {rig_,    pyramids_[last_], pyramids_[1 - last_],
+            depth(), T_body_cam,       {rig_.vision.camera, rig_.vision.height, readout().value_s, Vec<S, 3>::Zero()}};
   }
 
-  /// Rotation of the camera from the previous to the current image by their coarsest pixels, begun at `guess` and at rest.
+  /// Rotation of the camera from the previous to the current image by their coarsest pixels, begun at `guess` and at
+  /// rest.
   RotationAlignment<S> align_rotation(const View<Sensors>& view, const SO3<S>& guess) {
     const auto& camera = rig_.vision.camera;
     thumbnail_.build(view.previous);

@@ -106,17 +106,17 @@ class LineMap {
     near.search_px = options_.search_again_px;
     for (Landmark& landmark : landmarks_) {
       if (!landmark.located) continue;
-      if (!landmark.current.valid) {
-        LineSegment guess;
-        if (!predicted_segment(view, window, landmark, T_cam_world, guess)) continue;
+      LineSegment guess;
+      if (predicted_segment(view, window, landmark, T_cam_world, guess)) {
+        const Observation before = landmark.current;
         follow(view, landmark, guess, near);
+        if (!landmark.current.valid && before.valid) landmark.current = before;
         if (!landmark.current.valid) ++landmark.misses;
       }
-      if (landmark.current.valid) {
-        const LineReprojection<S>& seen = landmark.current.pixels;
-        landmark.set_extent(T_cam_world * T_world_anchor(landmark, window, view.T_body_cam), seen.bearing_start,
-                            seen.bearing_end);
-      }
+      if (!landmark.current.valid) continue;
+      const LineReprojection<S>& seen = landmark.current.pixels;
+      landmark.set_extent(T_cam_world * T_world_anchor(landmark, window, view.T_body_cam), seen.bearing_start,
+                          seen.bearing_end);
     }
     reject_duplicates();
   }

@@ -1,12 +1,13 @@
 #pragma once
 /// Relative pose of two calibrated views, the length of the translation left open, from a first guess of the rotation.
 ///                                                                                       docs/math/geometry.md 5
-///   e_i = f2 . (t x R f1) / |t x R f1|     sine of the angle between f2 and the epipolar plane, (R, t) = T_2_1, |t| = 1
+///   e_i = f2 . (t x R f1) / |t x R f1|     sine of the angle between f2 and the epipolar plane, (R, t) = T_2_1, |t| =
+///   1
 ///                                                                                                             (14)
 ///   given R, two pairs give t = n_i x n_j, n = R f1 x f2                                                      (15)
-///   de/dphi = -(f2 x t)^T R [f1]x / |t x R f1|,   de/dt = (R f1 x f2)^T B / |t x R f1|,   t <- normalize(t + B d)  (16)
-/// A gyroscope's bias makes the guess wrong by degrees, so (16) refines both; which of +-t holds is what puts most points
-/// in front of both views. The same input gives the same output.
+///   de/dphi = -(f2 x t)^T R [f1]x / |t x R f1|,   de/dt = (R f1 x f2)^T B / |t x R f1|,   t <- normalize(t + B d) (16)
+/// A gyroscope's bias makes the guess wrong by degrees, so (16) refines both; which of +-t holds is what puts most
+/// points in front of both views. The same input gives the same output.
 
 #include <algorithm>
 #include <array>
@@ -31,9 +32,9 @@ struct BearingPair {
 
 struct TwoViewOptions {
   int hypotheses = 60;
-  int iterations = 10;     ///< of (16)
-  double sigma_rad = 2e-3; ///< of a bearing, tracking errors included
-  double gate = 3;         ///< inliers are within this many sigma
+  int iterations = 10;      ///< of (16)
+  double sigma_rad = 2e-3;  ///< of a bearing, tracking errors included
+  double gate = 3;          ///< inliers are within this many sigma
   std::uint64_t seed = 1;
 };
 
@@ -42,8 +43,8 @@ struct TwoView {
   bool valid = false;  ///< a pose was found at all; whether to believe it is for the caller to say by the figures
   SE3<S> T_2_1;        ///< translation of length 1
   int inliers = 0;
-  int in_front = 0;    ///< inliers in front of both views
-  S parallax = S(0);   ///< median angle between f2 and R f1 of the inliers [rad]
+  int in_front = 0;   ///< inliers in front of both views
+  S parallax = S(0);  ///< median angle between f2 and R f1 of the inliers [rad]
   std::array<bool, Capacity> inlier{};
 };
 

@@ -3,8 +3,8 @@
 ///
 /// A pose that the marginalization prior touches keeps its linearization point x0 for ever and moves by a correction,
 /// x = x0 [+] e (first-estimate Jacobians): increments are added to e, Jacobians are taken at x0, and the prior is
-/// exactly r0 + J0 e. A new pose gets the linearization point that stands to that of the newest keyframe as it stands to
-/// the newest keyframe itself,
+/// exactly r0 + J0 e. A new pose gets the linearization point that stands to that of the newest keyframe as it stands
+/// to the newest keyframe itself,
 ///   x0 = T0 T^-1 x,                                                                                          (3)
 /// so that Jacobians see how the two stand to each other now, however far the whole window has moved since.
 
@@ -76,7 +76,8 @@ class FrameWindow {
     WindowPose<S> pose(T_world_body);
     if (size_ > 0) {
       const WindowPose<S>& newest = keyframes_[newest_].pose;
-      pose = WindowPose<S>(T_world_body, newest.linearization_point() * newest.value().inverse() * T_world_body);  // (3)
+      pose =
+          WindowPose<S>(T_world_body, newest.linearization_point() * newest.value().inverse() * T_world_body);  // (3)
     }
     keyframes_[slot] = {true, t_ns, ++sequence_, pose};
     ++size_;

@@ -1,0 +1,192 @@
+// The estimator with an IMU on a recorded flight, as it was and with everything that real sensors do to it.
+#include "plumbline/estimator/estimator.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "catch.hpp"
+#include "plumbline/backend/sliding_window.hpp"
+#include "plumbline/camera/any_camera.hpp"
+#include "plumbline/feature/features.hpp"
+#include "plumbline/feature/points.hpp"
+#include "plumbline/io/make_camera.hpp"
+#include "plumbline/io/recording.hpp"
+#include "plumbline/io/trajectory_alignment.hpp"
+#include "plumbline/io/trajectory_error.hpp"
+#include "plumbline/opencv/image_file.hpp"
+#include "plumbline/opencv/mat_view.hpp"
+#include "plumbline/sensor/imu.hpp"
+#include "plumbline/sensor/mono.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+using Sensors = Rig<Mono<AnyCamera<double>, 752 * 480>, Imu>;
+using Vio = Estimator<Sensors, Features<Points<250>>, SlidingWindow<10>>;
+
+const std::filesystem::path flight = std::filesystem::path(PLUMBLINE_TEST_DATA) / "euroc_mh01_flight";
+bool no_data() {
+  if (std::filesystem::exists(flight)) return false;
+  WARN("recording euroc_mh01_flight not found; nothing tested");
+  return true;
+}
+
+struct Trouble {
+  /// Changes a reading at `t` [s] of the recording; false takes it away.
+  std::function<bool(double t, ImuSample&)> imu = [](double, ImuSample&) { return true; };
+  /// The same for an image.
+  std::function<bool(double t, cv::Mat&)> image = [](double, cv::Mat&) { return true; };
+  SE3<double> T_cam_wrong;  ///< turns the camera's extrinsics
+  double duration_s = 14;
+};
+
+struct Flight {
+  std::vector<Estimate<double>> estimates;
+  InitReport init;
+  ImuCounts counts;
+  double begin_s = 0;
+  io::Recording recording = io::Recording::open(flight);
+
+  explicit Flight(const Trouble& trouble) {
+    Sensors rig{};
+    const io::Calibration& calibration = recording.calibration();
+    rig.vision.camera = io::make_camera<double>(calibration.camera);
+    rig.vision.width = calibration.camera.width;
+    rig.vision.height = calibration.camera.height;
+    rig.imu.T_body_cam = *calibration.T_body_camera * trouble.T_cam_wrong;
+    rig.imu.noise = *calibration.imu;
+    const auto vio = std::make_unique<Vio>(rig);
+    io::Recording::Sample sample;
+    const TimeNs start = recording.frames().front().t_ns;
+    while (recording.next(sample)) {
+      if (const ImuSample* reading = std::get_if<ImuSample>(&sample)) {
+        ImuSample changed = *reading;
+        if (trouble.imu(seconds_between(start, reading->t_ns), changed)) (void)vio->add_imu(changed);
+        continue;
+      }
+      const io::FrameSample& frame = std::get<io::FrameSample>(sample);
+      const double t = seconds_between(start, frame.t_ns);
+      if (t > trouble.duration_s) break;
+      cv::Mat image = opencv::read_gray(frame.image);
+      if (!trouble.image(t, image)) continue;
+      const Result<Estimate<double>> estimate = vio->add_frame({frame.t_ns, opencv::view<std::uint8_t>(image)});
+      REQUIRE(estimate);
+      REQUIRE(estimate->T_world_body.is_finite());
+      REQUIRE(estimate->covariance.allFinite());
+      REQUIRE(estimate->v_world_body.allFinite());
+      estimates.push_back(*estimate);
+    }
+    init = vio->init_report();
+    counts = vio->imu().counts();
+    begin_s = 1e-9 * double(start);
+  }
+
+  /// RMS error of the position from `from` to `to` [s], aligned in position and heading.
+  double ate(double from, double to) const {
+    io::Trajectory estimated;
+    for (const Estimate<double>& estimate : estimates) {
+      const double t = 1e-9 * double(estimate.t_ns) - begin_s;
+      if (t >= from && t <= to && estimate.health.state != HealthState::initializing)
+        estimated.push_back({estimate.t_ns, estimate.T_world_body});
+    }
+    std::vector<io::PosePair> pairs = io::associate(*recording.read_groundtruth(true), estimated, 0.01);
+    const auto S = io::align(pairs, io::Alignment::posyaw);
+    REQUIRE(pairs.size() > 20);
+    REQUIRE(S);
+    for (io::PosePair& pair : pairs) pair.estimate = io::aligned(*S, pair.estimate);
+    return io::absolute_error(pairs).translation.rmse;
+  }
+
+  double part(HealthState state, double from, double to) const {
+    int n = 0, all = 0;
+    for (const Estimate<double>& estimate : estimates) {
+      const double t = 1e-9 * double(estimate.t_ns) - begin_s;
+      if (t < from || t > to) continue;
+      ++all;
+      n += estimate.health.state == state;
+    }
+    return all > 0 ? double(n) / all : 0;
+  }
+};
+
+bool during(double t, double from, double to) { return t >= from && t < to; }
+
+}  // namespace
+
+TEST_CASE("inertial_estimator: a flight that begins in the air") {
+  if (no_data()) return;
+  const Flight run({});
+  CAPTURE(run.ate(0, 14));
+  REQUIRE(run.init.stage == InitStage::done);
+  REQUIRE(1e-9 * double(run.init.done_ns) - run.begin_s < 2.5);
+  REQUIRE(run.ate(0, 14) < 0.10);
+  REQUIRE(run.part(HealthState::tracking, 3, 14) == 1);
+  // What is known of this sensor: 0.08 rad/s about z.
+  REQUIRE((run.estimates.back().bias_gyro - Vec<double, 3>(-0.002, 0.021, 0.077)).norm() < 0.005);
+}
+
+TEST_CASE("inertial_estimator: images that stop coming") {
+  if (no_data()) return;
+  const double pause = GENERATE(0.5, 3.0);
+  Trouble trouble;
+  trouble.image = [pause](double t, cv::Mat&) { return !during(t, 6, 6 + pause); };
+  const Flight run(trouble);
+  const double after = run.ate(6 + pause + 0.5, 14), whole = run.ate(0, 14);
+  CAPTURE(pause, after, whole);
+  REQUIRE(run.part(HealthState::tracking, 6 + pause + 1, 14) > 0.95);
+  REQUIRE(after < 0.15);
+  REQUIRE(whole < (pause < 1 ? 0.15 : 0.6));  // no jump of the frame
+}
+
+TEST_CASE("inertial_estimator: two seconds of black images are bridged, and said to be") {
+  if (no_data()) return;
+  Trouble trouble;
+  trouble.image = [](double t, cv::Mat& image) {
+    if (during(t, 6, 8)) image.setTo(0);
+    return true;
+  };
+  const Flight run(trouble);
+  const double after = run.ate(8.5, 14), whole = run.ate(0, 14);
+  CAPTURE(after, whole);
+  REQUIRE(run.part(HealthState::tracking, 6.1, 7.9) == 0);
+  REQUIRE(run.part(HealthState::tracking, 9, 14) > 0.95);
+  REQUIRE(after < 0.15);
+  REQUIRE(whole < 0.4);
+}
+
+TEST_CASE("inertial_estimator: readings that are missing, repeated, late, NaN or saturated") {
+  if (no_data()) return;
+  const int kind = GENERATE(0, 1, 2, 3);
+  Trouble trouble;
+  ImuSample held;
+  trouble.imu = [kind, &held](double t, ImuSample& reading) {
+    if (kind == 0) return !during(t, 6, 6.2);
+    if (kind == 1 && during(t, 6, 7) && reading.t_ns % 15'000'000 == 0) reading.t_ns -= 5'000'000;  // repeats a time
+    if (kind == 2 && during(t, 6, 6.1)) reading.accel.setConstant(std::nan(""));
+    if (kind == 3 && during(t, 6, 6.3)) reading.gyro.x() = 1e3, reading.accel.y() = -1e3;
+    return true;
+  };
+  const Flight run(trouble);
+  const double after = run.ate(7.5, 14), whole = run.ate(0, 14);
+  CAPTURE(kind, after, whole, run.counts.late, run.counts.not_finite, run.counts.saturated);
+  if (kind == 2) REQUIRE(run.counts.not_finite > 10);
+  if (kind == 3) REQUIRE(run.counts.saturated > 50);
+  REQUIRE(run.part(HealthState::tracking, 8, 14) > 0.95);
+  REQUIRE(after < 0.15);
+  REQUIRE(whole < 0.2);
+}
+
+TEST_CASE("inertial_estimator: a camera mounted otherwise than said is not believed") {
+  if (no_data()) return;
+  Trouble trouble;
+  trouble.T_cam_wrong = SE3<double>(SO3<double>::exp({0, 0, 1.5708}), Vec<double, 3>::Zero());
+  trouble.duration_s = 8;
+  const Flight run(trouble);
+  CAPTURE(name_of(run.init.stage), name_of(run.init.alignment), run.init.gyro_residual, run.init.gravity_norm);
+  REQUIRE(run.init.stage != InitStage::done);
+  REQUIRE(run.part(HealthState::tracking, 0, 8) == 0);
+}
