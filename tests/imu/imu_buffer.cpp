@@ -146,7 +146,7 @@ TEST_CASE("imu_buffer: saturated readings are clipped and doubted") {
   }
   const Extracted e = extract(buffer, t0, t0 + 20 * ms);
   REQUIRE(e.coverage.saturated_s == Approx(0.01));
-  REQUIRE((e.intervals[1].accel_end.x() == -80 && e.intervals[1].accel_sigma == 20 && e.intervals[1].gyro_sigma == 1));
+  REQUIRE((e.intervals[1].accel_end.x() == -80 && e.intervals[1].accel_sigma == 80 && e.intervals[1].gyro_sigma == 4));
   REQUIRE((e.intervals[0].accel_sigma == 0 && e.intervals[3].accel_sigma == 0));
   REQUIRE(buffer.counts().saturated == 1);
 }

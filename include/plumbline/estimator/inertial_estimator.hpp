@@ -300,10 +300,25 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
 
   // ------------------------------------------------------------------------------------------------- window
 
+  /// Where the readings put the frame; where they say nothing (missing, saturated), constant velocity and the rotation
+  /// that the images show.
+  NavState<S> predict(const View<Sensors>& view, TimeNs t_ns) {
+    if (!(coverage_.saturated_s > 0) && coverage_.missing() < 0.5)
+      return since_frame_.increment().predict(state_, backend_.inertial().gravity());
+    NavState<S> x = state_;
+    const SO3<S> R_body_cam = view.T_body_cam.rotation();
+    const RotationAlignment<S> seen = this->align_rotation(view, SO3<S>());
+    const SO3<S> R_body_previous =
+        seen.valid ? R_body_cam * seen.R_cur_prev.inverse() * R_body_cam.inverse() : SO3<S>();
+    const S dt = S(seconds_between(estimate_.t_ns, t_ns));
+    x.T_world_body = SE3<S>(T_good_.rotation() * R_body_previous, x.T_world_body.p() + dt * x.v_world_body);
+    return x;
+  }
+
   /// One frame into the window.
   void fuse(const View<Sensors>& view, TimeNs t_ns) {
     const double begin = TimeSource::now();
-    NavState<S> x = since_frame_.increment().predict(state_, backend_.inertial().gravity());
+    const NavState<S> x = predict(view, t_ns);
     const S dt = since_frame_.increment().duration;
     const FusionOptions& options = options_.fusion;
     PosePrior<S> prior{x.T_world_body, Vec<S, 6>::Zero()};

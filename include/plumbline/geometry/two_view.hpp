@@ -117,7 +117,7 @@ class TwoViewSolver {
     return found;
   }
 
-  /// (16) with the weights of a Cauchy loss of that scale.
+  /// (16) with the weights of a Geman-McClure loss of that scale: wrong pairs are many.
   static bool refine(const Pairs& pairs, S scale, int iterations, SO3<S>& R, Vec<S, 3>& t) {
     for (int iteration = 0; iteration < iterations; ++iteration) {
       Mat<S, 3, 2> B;
@@ -129,7 +129,8 @@ class TwoViewSolver {
         const S length = std::max(t.cross(a).norm(), S(1e-6)), e = error(pair, R, t), q = e / scale;
         Mat<S, 1, 5> J;
         J << -(pair.f2.cross(t)).transpose() * R.matrix() * hat(pair.f1), a.cross(pair.f2).transpose() * B;
-        system.add(Mat<S, 1, 5>(J / length), Vec<S, 1>(e), S(1) / (S(1) + q * q));
+        const S w = S(1) / (S(1) + q * q);
+        system.add(Mat<S, 1, 5>(J / length), Vec<S, 1>(e), w * w);
       }
       Vec<S, 5> d;
       if (!system.solve(d, S(1e-6))) return false;

@@ -11,7 +11,7 @@
 /// What is given out covers the time asked for without a hole: linear between samples, the nearest sample held before
 /// the first and after the last one. Where readings are missing, held, frozen or saturated, the intervals say by how
 /// much the truth may differ (gyro_sigma, accel_sigma), so that the covariance of the increment grows:
-///   sigma = rate of change * time without a live reading/2,  or a quarter of full scale                      (8)
+///   sigma = rate of change * time without a live reading/2,  or full scale: at its rail a sensor says nothing  (8)
 
 #include <algorithm>
 #include <cmath>
@@ -187,9 +187,8 @@ ImuCoverage ImuBuffer<Capacity>::for_each_interval(TimeNs t_begin_ns, TimeNs t_e
     const bool saturated = a.saturated || b.saturated;
     if (saturated) out.saturated_s += interval.dt;
     interval.gyro_sigma =  // (8)
-        std::max(0.5 * options_.gyro_rate * blind_s, saturated ? 0.25 * options_.gyro_full_scale : 0.0);
-    interval.accel_sigma =
-        std::max(0.5 * options_.accel_rate * blind_s, saturated ? 0.25 * options_.accel_full_scale : 0.0);
+        std::max(0.5 * options_.gyro_rate * blind_s, saturated ? options_.gyro_full_scale : 0.0);
+    interval.accel_sigma = std::max(0.5 * options_.accel_rate * blind_s, saturated ? options_.accel_full_scale : 0.0);
     visit(interval);
     ++out.intervals;
     t = end;
