@@ -15,13 +15,13 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/random.hpp"
 #include "plumbline/lie/se3.hpp"
-#include "plumbline/solver/gauss_newton.hpp"
 
 namespace plumbline {
 
@@ -123,17 +123,21 @@ class TwoViewSolver {
       Mat<S, 3, 2> B;
       B.col(0) = t.unitOrthogonal();
       B.col(1) = t.cross(B.col(0));
-      DenseNormalEquations<S, 5> system;
+      Mat<S, 5, 5> H = Mat<S, 5, 5>::Zero();
+      Vec<S, 5> g = Vec<S, 5>::Zero();
       for (const BearingPair<S>& pair : pairs) {
         const Vec<S, 3> a = R * pair.f1;
         const S length = std::max(t.cross(a).norm(), S(1e-6)), e = error(pair, R, t), q = e / scale;
-        Mat<S, 1, 5> J;
-        J << -(pair.f2.cross(t)).transpose() * R.matrix() * hat(pair.f1), a.cross(pair.f2).transpose() * B;
-        const S w = S(1) / (S(1) + q * q);
-        system.add(Mat<S, 1, 5>(J / length), Vec<S, 1>(e), w * w);
+        Vec<S, 5> J;
+        const Vec<S, 3> u = R.inverse() * Vec<S, 3>(pair.f2.cross(t));
+        J << pair.f1.cross(u), B.transpose() * a.cross(pair.f2);
+        const S w = S(1) / (S(1) + q * q), weight = w * w / (length * length);
+        H.noalias() += weight * J * J.transpose();
+        g.noalias() += (weight * length * e) * J;
       }
-      Vec<S, 5> d;
-      if (!system.solve(d, S(1e-6))) return false;
+      const Eigen::LDLT<Mat<S, 5, 5>> ldlt(H);
+      const Vec<S, 5> d = ldlt.solve(-g);
+      if (!ldlt.isPositive() || !d.allFinite()) return false;
       R = R * SO3<S>::exp(Vec<S, 3>(d.template head<3>()));
       t = (t + B * d.template tail<2>()).normalized();
       if (d.norm() < S(1e-6)) break;
