@@ -25,9 +25,9 @@ struct Mono {
   };
 
   Camera camera;
-  int width = 0;            ///< [px] of every image
-  int height = 0;           ///< [px]
-  Readout<Scalar> readout;  ///< a global shutter unless said
+  int width = 0;              ///< [px] of every image
+  int height = 0;             ///< [px]
+  Readout<Scalar> readout{};  ///< a global shutter unless said
 };
 
 }  // namespace plumbline
