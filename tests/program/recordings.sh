@@ -14,7 +14,7 @@ within() {
   "$plumbline" evaluate --reference "$data/$name/$truth" --estimate out.tum --align "$alignment" > error.txt
   local ate frames poses
   ate=$(awk '/^APE translation/ {print $4}' error.txt)
-  frames=$(cat "$data/$name"/rgb.txt "$data/$name"/mav0/cam0/data.csv 2> /dev/null | grep -vc '^#')
+  frames=$( (cat "$data/$name"/rgb.txt || cat "$data/$name"/mav0/cam0/data.csv) 2> /dev/null | grep -vc '^#')
   poses=$(grep -vc '^#' out.tum)
   echo "$config $name: ATE $ate m, $poses of $frames frames"
   awk -v ate="$ate" -v bound="$bound" 'BEGIN {exit !(ate < bound)}' || fail "$name: ATE $ate m is not below $bound m"
