@@ -60,7 +60,7 @@ class RollingShutter {
     const Unprojection<S> ray = camera_.unproject(uv);
     if (!ray.valid) return uv;
     Vec<S, 2> out = uv;
-    for (int i = 0; i < 4; ++i) {  // the row that sees it decides when
+    for (int i = 0; i < 3; ++i) {  // the row that sees it decides when
       const Projection<S> projection =
           camera_.project(SO3<S>::exp(angular_rate_ * (-row_time(out) * readout_s_)) * ray.bearing);
       if (!projection.valid) return uv;
