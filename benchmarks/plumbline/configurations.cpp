@@ -1,14 +1,26 @@
 #include "runner.hpp"
 
 std::unique_ptr<Runner> make_rgbd_points_window(const plumbline::io::Calibration& calibration);
+std::unique_ptr<Runner> make_rgbd_lines_window(const plumbline::io::Calibration& calibration);
+std::unique_ptr<Runner> make_rgbd_points_lines_window(const plumbline::io::Calibration& calibration);
 std::unique_ptr<Runner> make_rgbd_imu_points_window(const plumbline::io::Calibration& calibration);
+std::unique_ptr<Runner> make_rgbd_imu_lines_window(const plumbline::io::Calibration& calibration);
+std::unique_ptr<Runner> make_rgbd_imu_points_lines_window(const plumbline::io::Calibration& calibration);
 std::unique_ptr<Runner> make_mono_imu_points_window(const plumbline::io::Calibration& calibration);
+std::unique_ptr<Runner> make_mono_imu_points_lines_window(const plumbline::io::Calibration& calibration);
 
 std::span<const Configuration> configurations() {
+  constexpr Needs rgbd{.depth = true, .imu = false}, rgbd_imu{.depth = true, .imu = true},
+      mono_imu{.depth = false, .imu = true};
   static constexpr Configuration all[] = {
-      {.name = "rgbd/points/window", .needs_depth = true, .needs_imu = false, .make = make_rgbd_points_window},
-      {.name = "rgbd-imu/points/window", .needs_depth = true, .needs_imu = true, .make = make_rgbd_imu_points_window},
-      {.name = "mono-imu/points/window", .needs_depth = false, .needs_imu = true, .make = make_mono_imu_points_window},
+      {"rgbd/points/window", rgbd, make_rgbd_points_window},
+      {"rgbd/lines/window", rgbd, make_rgbd_lines_window},
+      {"rgbd/points+lines/window", rgbd, make_rgbd_points_lines_window},
+      {"rgbd-imu/points/window", rgbd_imu, make_rgbd_imu_points_window},
+      {"rgbd-imu/lines/window", rgbd_imu, make_rgbd_imu_lines_window},
+      {"rgbd-imu/points+lines/window", rgbd_imu, make_rgbd_imu_points_lines_window},
+      {"mono-imu/points/window", mono_imu, make_mono_imu_points_window},
+      {"mono-imu/points+lines/window", mono_imu, make_mono_imu_points_lines_window},
   };
   return all;
 }

@@ -69,10 +69,10 @@ int run_configuration(const RunOptions& options) {
   pl::io::Recording recording = pl::io::Recording::open(
       options.dataset,
       {.calibration = options.calibration, .start_s = options.start_s, .duration_s = options.duration_s});
-  if (configuration.needs_depth && !recording.has_depth())
+  if (configuration.needs.depth && !recording.has_depth())
     throw std::runtime_error(options.dataset.string() + ": " + configuration.name +
                              " needs depth images and the calibration's depth scale");
-  if (configuration.needs_imu && !recording.has_imu())
+  if (configuration.needs.imu && !recording.has_imu())
     throw std::runtime_error(options.dataset.string() + ": " + configuration.name +
                              " needs IMU samples, their noise and T_body_camera");
 
@@ -87,14 +87,14 @@ int run_configuration(const RunOptions& options) {
   pl::io::Recording::Sample sample;
   for (; recording.next(sample); progress.show(read)) {
     if (const pl::ImuSample* imu = std::get_if<pl::ImuSample>(&sample)) {
-      if (configuration.needs_imu) runner->add_imu(*imu);
+      if (configuration.needs.imu) runner->add_imu(*imu);
       continue;
     }
     const pl::io::FrameSample& frame = std::get<pl::io::FrameSample>(sample);
     ++read;
     Images images;
     try {
-      images = read_images(frame, configuration.needs_depth);
+      images = read_images(frame, configuration.needs.depth);
     } catch (const std::runtime_error& damage) {
       ++skipped;
       progress.note(std::string("skipped: ") + damage.what());

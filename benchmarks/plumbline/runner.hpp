@@ -35,9 +35,14 @@ class Runner {
   virtual std::vector<plumbline::Vec<double, 3>> landmarks() const = 0;
 };
 
+/// What a recording must have.
+struct Needs {
+  bool depth, imu;
+};
+
 struct Configuration {
   const char* name;  ///< <sensor>/<features>/<backend>
-  bool needs_depth, needs_imu;
+  Needs needs;
   std::unique_ptr<Runner> (*make)(const plumbline::io::Calibration& calibration);  ///< throws std::runtime_error
 };
 
