@@ -102,6 +102,6 @@ TEST_CASE("estimator_lines: dark frames are lost, frames without depth are used"
     REQUIRE(estimate);
     REQUIRE((estimate->health.state == HealthState::lost) == dark);
     REQUIRE(estimate->resets == 0);
-    if (!dark) REQUIRE(error_m(*estimate, i) < 0.06);
+    if (!dark) REQUIRE(error_m(*estimate, i) < 0.03);
   }
 }

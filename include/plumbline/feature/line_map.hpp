@@ -15,6 +15,7 @@
 #include "plumbline/feature/line_landmark.hpp"
 #include "plumbline/feature/line_motion_terms.hpp"
 #include "plumbline/feature/line_window_terms.hpp"
+#include "plumbline/feature/make_room.hpp"
 #include "plumbline/feature/view.hpp"
 #include "plumbline/feature/visible_segment.hpp"
 #include "plumbline/geometry/line_depth.hpp"
@@ -34,7 +35,7 @@ struct LineOptions {
   float peak_spacing_px = 4;  ///< of peaks along the edge that err independently
   int target_count = 60;      ///< segments are detected until this many landmarks are in sight
   int max_misses = 30;        ///< frames in a row that look for a landmark in vain before it is forgotten
-  int min_observations = 3;   ///< keyframes that saw a landmark that is kept although it is out of sight
+  int min_observations = 2;   ///< keyframes that saw a landmark that is kept although it is out of sight: it ties them
   float search_again_px = 5;  ///< across the edge, once the pose is known
   LineDetectorOptions detector;
   LineTrackingOptions tracking;
@@ -135,12 +136,16 @@ class LineMap {
     detect(view, slot);
   }
 
-  /// Locates lines that have no depth by the latest frame's view of them, where the parallax allows.
+  /// Locates lines without depth by the latest frame's view of them: its depth, or parallax where there is enough.
   void triangulate(const View<Sensors>& view, const Window& window, const SE3<S>& T_world_body) {
     const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
     for (Landmark& landmark : landmarks_) {
       const Observation& in_anchor = landmark.seen_by_anchor();
       if (landmark.located || !landmark.current.valid || !in_anchor.valid) continue;
+      if (landmark.current.has_depth) {
+        locate_from_depth(landmark, {window[landmark.anchor].pose.value(), T_world_body, view.T_body_cam});
+      }
+      if (landmark.located) continue;
       const std::array<LineTriangulationView<S>, 2> views{
           view_of(in_anchor, SE3<S>()),
           view_of(landmark.current, T_cam_world * T_world_anchor(landmark, window, view.T_body_cam))};
@@ -293,16 +298,53 @@ class LineMap {
   static void locate_from_depth(Landmark& landmark, int slot) {
     const Observation& seen = landmark.observations[static_cast<std::size_t>(slot)];
     const Line3<S> line = line_from_depth(seen.depth.m_start, seen.depth.m_end, seen.depth.inverse_depth_measured);
-    const auto pixels = AnchoredLine<LineReprojection<S>>{seen.pixels}.linearize_in_anchor(line);
-    const auto depth = AnchoredLine<LineInverseDepth<S>>{seen.depth}.linearize_in_anchor(line);
-    if (!pixels.valid || !depth.valid) return;
     DenseNormalEquations<double, 4> system;
-    system.add(Mat<S, 2, 4>(seen.pixels_L * pixels.J_r_line), pixels.r, 1.0);
-    system.add(Mat<S, 2, 4>(seen.depth_L * depth.J_r_line), depth.r, 1.0);
+    add_anchor(seen.pixels, seen.pixels_L, line, system);
+    add_anchor(seen.depth, seen.depth_L, line, system);
     Mat<double, 4, 4> covariance;
     if (!system.covariance(covariance)) return;
     landmark.anchor = slot;
     locate(landmark, line, covariance.template cast<S>());
+  }
+
+  /// The line from its edge in the anchor and edge and depth in the latest frame.
+  static void locate_from_depth(Landmark& landmark, const RelativeView<S>& latest) {
+    const Observation &in_anchor = landmark.seen_by_anchor(), &seen = landmark.current;
+    const Vec<S, 2>& inverse_depth = seen.depth.inverse_depth_measured;
+    const Mat<S, 3, 3> R_anchor_latest = latest.R_target_anchor().transpose();
+    const auto to_anchor = [&](const Vec<S, 3>& p) {
+      return Vec<S, 3>(R_anchor_latest * (p - latest.t_target_anchor()));
+    };
+    Line3<S> line = Line3<S>::through(to_anchor(seen.depth.m_start / inverse_depth[0]),
+                                      to_anchor(seen.depth.m_end / inverse_depth[1]));
+    Mat<double, 4, 4> covariance;
+    for (int iteration = 0; iteration < 3; ++iteration) {
+      DenseNormalEquations<double, 4> system;
+      Vec<double, 4> step;
+      add_anchor(in_anchor.pixels, in_anchor.pixels_L, line, system);
+      add_latest(seen.pixels, seen.pixels_L, latest, line, system);
+      add_latest(seen.depth, seen.depth_L, latest, line, system);
+      if (!system.solve(step) || !system.covariance(covariance)) return;
+      line = line.plus(Vec<S, 4>(step.template cast<S>()));
+    }
+    if (AnchoredLine<LineReprojection<S>> pixels{in_anchor.pixels};
+        (in_anchor.pixels_L * pixels.linearize_in_anchor(line).r).squaredNorm() <
+        S(13.8)) {  // 99.9 %, as in the window
+      locate(landmark, line, covariance.template cast<S>());
+    }
+  }
+
+  template <class Measurement>
+  static void add_anchor(const Measurement& measurement, const Mat<S, 2, 2>& L, const Line3<S>& line,
+                         DenseNormalEquations<double, 4>& system) {
+    const auto lin = AnchoredLine<Measurement>{measurement}.linearize_in_anchor(line);
+    if (lin.valid) system.add(Mat<S, 2, 4>(L * lin.J_r_line), Vec<S, 2>(L * lin.r), 1.0);
+  }
+  template <class Measurement>
+  static void add_latest(const Measurement& measurement, const Mat<S, 2, 2>& L, const RelativeView<S>& latest,
+                         const Line3<S>& line, DenseNormalEquations<double, 4>& system) {
+    const auto lin = AnchoredLine<Measurement>{measurement}.linearize(latest, line);
+    if (lin.valid) system.add(Mat<S, 2, 4>(L * lin.J_r_lambda), Vec<S, 2>(L * lin.r), 1.0);
   }
 
   /// New landmarks from segments that are no part of one in sight.
@@ -317,7 +359,7 @@ class LineMap {
       if (landmark.current.valid) segments_.push_back(landmark.current.segment);
     }
     for (const LineSegment& segment : detected_) {
-      if (static_cast<int>(segments_.size()) >= options_.target_count || landmarks_.full()) break;
+      if (static_cast<int>(segments_.size()) >= options_.target_count) break;
       const auto is_known = [&](const LineSegment& known) { return are_one(segment, known, options_.detector.merge); };
       if (std::any_of(segments_.begin(), segments_.end(), is_known)) continue;
       Landmark landmark;
@@ -329,6 +371,7 @@ class LineMap {
       landmark.observations[static_cast<std::size_t>(slot)] = landmark.current;
       remember_appearance(landmark);
       if (landmark.current.has_depth) locate_from_depth(landmark, slot);
+      if (!make_room(landmarks_)) break;
       landmarks_.push_back(landmark);
       segments_.push_back(landmark.current.segment);
     }

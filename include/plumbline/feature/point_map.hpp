@@ -10,6 +10,7 @@
 #include <cstdint>
 
 #include "plumbline/core/fixed_vector.hpp"
+#include "plumbline/feature/make_room.hpp"
 #include "plumbline/feature/point_landmark.hpp"
 #include "plumbline/feature/point_motion_terms.hpp"
 #include "plumbline/feature/point_window_terms.hpp"
@@ -29,9 +30,9 @@ struct PointOptions {
   double sigma_flow_px = 1.0;   ///< of a frame-to-frame observation
   int target_count = 180;       ///< corners are detected until this many landmarks are in sight
   int max_misses = 30;          ///< frames in a row that look for a landmark in vain before it is forgotten
-  int min_observations = 3;     ///< keyframes that saw a landmark that is kept although it is out of sight
-  int max_searches = 200;       ///< landmarks out of track that one frame looks for
-  float max_drift_px = 2.0f;    ///< flow and alignment with the anchor may differ by this much
+  int min_observations = 2;   ///< keyframes that saw a landmark that is kept although it is out of sight: it ties them
+  int max_searches = 200;     ///< landmarks out of track that one frame looks for
+  float max_drift_px = 2.0f;  ///< flow and alignment with the anchor may differ by this much
   OpticalFlowOptions flow;
   AlignmentOptions alignment;
   CornerOptions corners;
@@ -169,17 +170,21 @@ class PointMap {
   void insert_keyframe(const View<Sensors>& view, const Window& window, int slot) {
     record(slot);
     for (Landmark& landmark : landmarks_) {
-      if (!landmark.located && landmark.current.valid) locate_from_depth(view, window, landmark, slot);
+      if (!landmark.located && landmark.current.valid) {
+        locate_from_depth(view, window, landmark, window[slot].pose.value());
+      }
     }
     detect(view, slot);
   }
 
-  /// Locates landmarks that have no depth by the latest frame's view of them, where the parallax allows.
+  /// Locates landmarks without depth by the latest frame's view of them: its depth, or parallax where there is enough.
   void triangulate(const View<Sensors>& view, const Window& window, const SE3<S>& T_world_body) {
     const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
     const S sigma_rad = S(options_.sigma_flow_px) / effective_focal_length(view.rig.vision.camera);
     for (Landmark& landmark : landmarks_) {
       if (landmark.located || !landmark.current.valid) continue;
+      locate_from_depth(view, window, landmark, T_world_body);
+      if (landmark.located) continue;
       const Unprojection<S> ray = view.rig.vision.camera.unproject(landmark.current.uv.template cast<S>());
       if (!ray.valid) continue;
       const std::array<TriangulationView<S>, 1> views{
@@ -293,14 +298,15 @@ class PointMap {
     landmark.sigma_inverse_range = std::sqrt(found.variance);
   }
 
-  /// The inverse range of a landmark from the depth measured in keyframe `slot`.
-  void locate_from_depth(const View<Sensors>& view, const Window& window, Landmark& landmark, int slot) {
+  /// The inverse range of a landmark from the depth measured in the latest frame.
+  static void locate_from_depth(const View<Sensors>& view, const Window& window, Landmark& landmark,
+                                const SE3<S>& T_world_body) {
     const InverseDepth<S>& depth = landmark.current.depth;
     if (!depth.valid) return;
     const Unprojection<S> ray = view.rig.vision.camera.unproject(landmark.current.uv.template cast<S>());
     if (!ray.valid) return;
-    const SE3<S> T_anchor_cam = (window[landmark.anchor].pose.value() * view.T_body_cam).inverse() *
-                                (window[slot].pose.value() * view.T_body_cam);
+    const SE3<S> T_anchor_cam =
+        (window[landmark.anchor].pose.value() * view.T_body_cam).inverse() * (T_world_body * view.T_body_cam);
     const Vec<S, 3> p_cam = ray.bearing / (depth.value * ray.bearing.z());
     const Vec<S, 3> p_anchor = T_anchor_cam * p_cam;
     const S range = p_anchor.norm();
@@ -320,7 +326,7 @@ class PointMap {
     detect_corners(view.current.level(0), in_sight.data(), in_sight.size(), options_.corners, corners_);
     int missing = options_.target_count - static_cast<int>(in_sight.size());
     for (const Corner& corner : corners_) {
-      if (missing <= 0 || landmarks_.full()) break;
+      if (missing <= 0 || !make_room(landmarks_)) break;
       Landmark landmark;
       observe(view, landmark, true, corner.uv);
       const Unprojection<S> ray = view.rig.vision.camera.unproject(landmark.current.uv.template cast<S>());
