@@ -1,10 +1,11 @@
 #pragma once
 /// Camera pose from bearings of known points with outliers: MSAC over P3P, then Gauss-Newton.   docs/math/geometry.md 2
 ///
-///   cost(T) = sum_i min(e_i^2 / sigma_i^2, chi2) + min(d_i^2 / sigma_d^2, chi2),  p = T_cam_world p_world (5) e = |b x
-///   p| / |p|  = sin of the angle;  d = 1/p_z - measured, for points whose depth was measured n(w)    = log(1 -
-///   confidence) / log(1 - w^3) samples, w = the best inlier ratio so far                       (6) r = p/|p| - b,
-///   J_r_T = (I - n n^T)/|p| [-R [p_world]x, R],  n = p/|p|                                        (7)
+///   cost(T)  = sum_i min(e_i^2 / sigma_i^2, chi2) + min(d_i^2 / sigma_d^2, chi2)                                (5)
+///   e        = |b x p| / |p|, sine of the angle,  p = T_cam_world p_world
+///   d        = 1/p_z - measured, for points whose depth was measured
+///   n(w)     = log(1 - confidence) / log(1 - w^3) samples, w = the best inlier ratio so far                     (6)
+///   r        = p/|p| - b,  J_r_T = (I - n n^T)/|p| [-R [p_world]x, R],  n = p/|p|                               (7)
 /// Bearings alone decide who is an inlier; depth tells poses apart that see the same bearings (few points, or all on a
 /// plane). The prior pose is the first hypothesis. The same input gives the same output.
 
@@ -95,28 +96,33 @@ S cost(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondences, cons
   return sum;
 }
 
-/// Gauss-Newton on (7), each step over the points within the gate of (5). The gate starts wide, so that a pose from
-/// three noisy points is pulled to the consensus around it, and closes.
+/// Gauss-Newton on (7) with weights (g / (g + e^2))^2 that start wide, so that a pose from three noisy points, or one
+/// that fits none, is pulled to the consensus around it, and end at the gate of (5).
 template <class S, std::size_t Capacity>
 SE3<S> refine(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondences, SE3<S> T_cam_world, S chi2) {
-  for (const S widening : {S(16), S(4), S(1), S(1), S(1)}) {
+  for (const S widening : {S(400), S(16), S(4), S(1), S(1)}) {
+    const auto weight = [chi2, gate = widening * chi2](S e2) {
+      const S w = gate / (gate + e2);
+      return gate > chi2 ? w * w : S(e2 < chi2);
+    };
     Mat<S, 6, 6> H = Mat<S, 6, 6>::Zero();
     Vec<S, 6> g = Vec<S, 6>::Zero();
     const Mat<S, 3, 3> R = T_cam_world.R();
     for (const PoseCorrespondence<S>& c : correspondences) {
       const BearingError<S> error(T_cam_world, R, c);
-      const S weight = S(1) / (c.sigma_rad * c.sigma_rad);
-      if (!(weight * error.r.squaredNorm() < widening * chi2)) continue;
-      H.noalias() += weight * error.J_r_T.transpose() * error.J_r_T;
-      g.noalias() += weight * error.J_r_T.transpose() * error.r;
+      const S information = S(1) / (c.sigma_rad * c.sigma_rad);
+      const S w = information * weight(information * error.r.squaredNorm());
+      if (!(w > S(0))) continue;
+      H.noalias() += w * error.J_r_T.transpose() * error.J_r_T;
+      g.noalias() += w * error.J_r_T.transpose() * error.r;
       if (!(c.sigma_inverse_depth > S(0))) continue;
       const S z = R.row(2).dot(c.p_world) + T_cam_world.p().z(), slope = S(-1) / (z * z * c.sigma_inverse_depth);
-      const S d = (S(1) / z - c.inverse_depth) / c.sigma_inverse_depth;
-      if (!(d * d < widening * chi2)) continue;
+      const S d = (S(1) / z - c.inverse_depth) / c.sigma_inverse_depth, w_d = weight(d * d);
+      if (!(w_d > S(0))) continue;
       Vec<S, 6> J;
       J << slope * -R.row(2).transpose().cross(c.p_world), slope * R.row(2).transpose();
-      H.noalias() += J * J.transpose();
-      g.noalias() += J * d;
+      H.noalias() += w_d * J * J.transpose();
+      g.noalias() += w_d * J * d;
     }
     const Eigen::LDLT<Mat<S, 6, 6>> ldlt(H);
     const Vec<S, 6> d = ldlt.solve(-g);
