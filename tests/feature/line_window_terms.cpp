@@ -97,17 +97,15 @@ struct Dense {
           const Eigen::Index n = append(2);
           J.block(n, 4 * Eigen::Index(i), 2, 4) =
               w * L *
-              testing::numeric_jacobian<2, 4>([&](const Line3<double>& x) { return e(linear(a), linear(k), x); }, line,
-                                              1e-5);
+              testing::numeric_jacobian<2, 4>([&](const Line3<double>& x) { return e(current(a), current(k), x); },
+                                              line, 1e-5);
           if (k != a) {
-            J.block(n, lines + 6 * a, 2, 6) =
+            const Mat<double, 2, 6> J_target =
                 w * L *
-                testing::numeric_jacobian<2, 6>([&](const SE3<double>& T) { return e(T, linear(k), line); }, linear(a),
-                                                1e-5);
-            J.block(n, lines + 6 * k, 2, 6) =
-                w * L *
-                testing::numeric_jacobian<2, 6>([&](const SE3<double>& T) { return e(linear(a), T, line); }, linear(k),
-                                                1e-5);
+                testing::numeric_jacobian<2, 6>([&](const SE3<double>& T) { return e(current(a), T, line); },
+                                                current(k), 1e-5);
+            J.block(n, lines + 6 * k, 2, 6) = J_target;
+            J.block(n, lines + 6 * a, 2, 6) = -J_target * (linear(k).inverse() * linear(a)).adjoint();
           }
           r.tail(2) = w * whitened;
           cost += loss.rho(s) / 2;

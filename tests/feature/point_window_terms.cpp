@@ -102,9 +102,6 @@ struct Scene {
     const double lambda = double(landmark.inverse_range);
     const Vec<double, 3> f = landmark.bearing.template cast<double>();
     const int a = landmark.anchor;
-    const auto view = [&](int slot, auto&& pose_of) {
-      return RelativeView<double>(pose_of(a), pose_of(slot), T_body_cam);
-    };
     const auto current = [&](int k) { return window[k].pose.value().template cast<double>(); };
     const auto linear = [&](int k) { return window[k].pose.linearization_point().template cast<double>(); };
     DenseRows rows;
@@ -120,12 +117,14 @@ struct Scene {
         continue;
       }
       const InverseDepthReprojection<Pinhole<double>> pixel{seen.uv.template cast<double>()};
-      auto lin = pixel.linearize(camera, view(slot, linear), f, lambda);
-      lin.r = pixel.linearize(camera, view(slot, current), f, lambda).r;
+      const RelativeView<double> view(current(a), current(slot), T_body_cam);
+      const Mat<double, 6, 6> transport = -(linear(slot).inverse() * linear(a)).adjoint();
+      auto lin = pixel.linearize(camera, view, f, lambda);
+      lin.J_r_anchor = lin.J_r_target * transport;
       rows.add(lin, Mat<double, 2, 2>(seen.L.template cast<double>()), pixel_loss, a, slot);
       if (!seen.depth.valid) continue;
-      auto depth = InverseDepthMeasurement<double>{z}.linearize(view(slot, linear), f, lambda);
-      depth.r = InverseDepthMeasurement<double>{z}.linearize(view(slot, current), f, lambda).r;
+      auto depth = InverseDepthMeasurement<double>{z}.linearize(view, f, lambda);
+      depth.J_r_anchor = depth.J_r_target * transport;
       rows.add(depth, L_z, depth_loss, a, slot);
     }
     return rows;

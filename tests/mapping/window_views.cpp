@@ -4,21 +4,51 @@
 
 using namespace plumbline;
 
-TEST_CASE("window_views: residuals at the current poses, Jacobians at the linearization points") {
+namespace {
+
+const SE3<double> T_body_cam(SO3<double>::exp({1, 0.2, 0}), Vec<double, 3>(0.1, 0, 0));
+
+/// Two keyframes; the second has moved away from its linearization point.
+FrameWindow<double, 3> moved_window() {
   FrameWindow<double, 3> window;
-  const SE3<double> T_body_cam(SO3<double>::exp({1, 0.2, 0}), Vec<double, 3>(0.1, 0, 0));
-  window.insert(1, SE3<double>());
+  window.insert(1, SE3<double>(SO3<double>::exp({0.3, -0.2, 0.1}), Vec<double, 3>(0.4, 0, -0.2)));
   window.insert(2, SE3<double>(SO3<double>::exp({0, 0.1, 0}), Vec<double, 3>(1, 0, 0)));
-  const SE3<double> before = window[1].pose.value();
   window.pose(1).fix_linearization_point();
   window.pose(1).add((Vec<double, 6>() << 0.1, 0, 0, 0, 0.2, 0).finished());
+  return window;
+}
 
+}  // namespace
+
+TEST_CASE("window_views: a step of the anchor is seen as the transported step of the target, to first order") {
+  FrameWindow<double, 3> window = moved_window();
+  const SE3<double> T_a = window[0].pose.linearization_point(), T_j = window[1].pose.linearization_point();
+  WindowViews<double, 3> views;
+  views.linearize(window, T_body_cam);
+  const Vec<double, 3> f = Vec<double, 3>(0.1, 0.2, 1).normalized();
+  for (int i = 0; i < 6; ++i) {
+    const Vec<double, 6> d = 1e-6 * Vec<double, 6>::Unit(i), d_target = views.transport(0, 1) * d;
+    const RelativeView<double> by_anchor(plus(T_a, d), T_j, T_body_cam),
+        by_target(T_a, plus(T_j, d_target), T_body_cam), before(T_a, T_j, T_body_cam);
+    const Vec<double, 3> P = before.scaled_point(f, 0.5);
+    REQUIRE((by_anchor.scaled_point(f, 0.5) - by_target.scaled_point(f, 0.5)).norm() < 1e-11);
+    REQUIRE((by_anchor.scaled_point(f, 0.5) - P).norm() > 1e-8);
+  }
+}
+
+TEST_CASE("window_views: views are those of the current poses, transports those of the linearization points") {
+  FrameWindow<double, 3> window = moved_window();
   WindowViews<double, 3> views;
   views.linearize(window, T_body_cam);
   const RelativeView<double> now(window[0].pose.value(), window[1].pose.value(), T_body_cam);
-  const RelativeView<double> then(window[0].pose.value(), before, T_body_cam);
   const Vec<double, 3> f = Vec<double, 3>(0.1, 0.2, 1).normalized();
   REQUIRE(views.current(0, 1).scaled_point(f, 0.5) == now.scaled_point(f, 0.5));
-  REQUIRE(views.linear(0, 1).scaled_point(f, 0.5) == then.scaled_point(f, 0.5));
-  REQUIRE((now.scaled_point(f, 0.5) - then.scaled_point(f, 0.5)).norm() > 0.01);
+  const Mat<double, 6, 6> transport = views.transport(0, 1);
+  const SE3<double> T_1_0 = window[1].pose.value().inverse() * window[0].pose.value();
+  REQUIRE((transport + T_1_0.adjoint()).norm() > 0.01);
+
+  window.pose(1).add((Vec<double, 6>() << 0, 0.1, 0, 0, 0, 0.1).finished());
+  views.linearize(window, T_body_cam);
+  REQUIRE(views.transport(0, 1) == transport);
+  REQUIRE((views.current(0, 1).scaled_point(f, 0.5) - now.scaled_point(f, 0.5)).norm() > 0.01);
 }

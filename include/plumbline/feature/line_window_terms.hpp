@@ -164,8 +164,7 @@ class LineWindowTerms {
     return (loss_.rho(errors.pixels.squaredNorm()) + loss_.rho(errors.depth.squaredNorm())) / 2;
   }
 
-  /// All rows of one landmark, whitened and weighted; Jacobians at the linearization points, residuals at the current
-  /// state. Returns their cost.
+  /// All rows of one landmark, whitened and weighted. Returns their cost.
   double add_rows(const Landmark& landmark, const Window& window, const Views& views, Elimination& rows) const {
     rows.reset();
     double cost = 0;
@@ -197,10 +196,11 @@ class LineWindowTerms {
       if (!lin.valid) return false;
       return rows.template add<2>(Mat<S, 2, 4>(wL * lin.J_r_line), weighted);
     }
-    const auto lin = residual.linearize(views.linear(landmark.anchor, slot), landmark.line);
+    const auto lin = residual.linearize(views.current(landmark.anchor, slot), landmark.line);
     if (!lin.valid) return false;
-    return rows.template add<2>(landmark.anchor, Mat<S, 2, 6>(wL * lin.J_r_anchor), slot,
-                                Mat<S, 2, 6>(wL * lin.J_r_target), Mat<S, 2, 4>(wL * lin.J_r_lambda), weighted);
+    const Mat<S, 2, 6> J_target = wL * lin.J_r_target;
+    return rows.template add<2>(landmark.anchor, Mat<S, 2, 6>(J_target * views.transport(landmark.anchor, slot)), slot,
+                                J_target, Mat<S, 2, 4>(wL * lin.J_r_lambda), weighted);
   }
 
   /// The anchor's own pixels stay: without them nothing tells where on the line it was seen.

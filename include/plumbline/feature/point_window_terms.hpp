@@ -163,8 +163,7 @@ class PointWindowTerms {
     return landmark.inverse_range / landmark.bearing.z() - landmark.observations[landmark.anchor].depth.value;
   }
 
-  /// All rows of one landmark, whitened and weighted; Jacobians at the linearization points, residuals at the current
-  /// state.
+  /// All rows of one landmark, whitened and weighted.
   RowsSummary rows_of(const Sensors& rig, const Landmark& landmark, const Window& window, const Views& views,
                       Elimination& rows) const {
     rows.reset();
@@ -193,25 +192,24 @@ class PointWindowTerms {
     const int anchor = landmark.anchor;
     const S lambda = landmark.inverse_range;
     const PointObservation<S>& seen = landmark.observations[slot];
-    const Vec<S, 3> p = views.current(anchor, slot).scaled_point(landmark.bearing, lambda);
-    const Projection<S> projection = rig.vision.camera.project(p);
+    const RelativeView<S>& view = views.current(anchor, slot);
+    const Mat<S, 6, 6>& transport = views.transport(anchor, slot);
     const InverseDepthReprojection<typename Sensors::Camera> reprojection{seen.uv.template cast<S>()};
-    auto pixel = reprojection.linearize(rig.vision.camera, views.linear(anchor, slot), landmark.bearing, lambda);
-    if (!projection.valid || !pixel.valid) return {invalid_cost, S(0)};
+    auto pixel = reprojection.linearize(rig.vision.camera, view, landmark.bearing, lambda);
+    if (!pixel.valid) return {invalid_cost, S(0)};
     const Mat<S, 2, 2> L = seen.L.template cast<S>();
-    pixel.r = whitened(seen, projection.uv);
-    pixel.J_r_anchor = L * pixel.J_r_anchor;
+    pixel.r = L * pixel.r;
     pixel.J_r_target = L * pixel.J_r_target;
+    pixel.J_r_anchor = pixel.J_r_target * transport;
     pixel.J_r_lambda = L * pixel.J_r_lambda;
     const S s = pixel.r.squaredNorm();
     const S w = std::sqrt(pixel_loss_.weight(s));
     RowsSummary sum{pixel_loss_.rho(s) / 2, square(w) * pixel.J_r_lambda.squaredNorm()};
     add(rows, anchor, slot, pixel, w);
     if (!seen.depth.valid) return sum;
-    auto depth =
-        InverseDepthMeasurement<S>{seen.depth.value}.linearize(views.linear(anchor, slot), landmark.bearing, lambda);
+    auto depth = InverseDepthMeasurement<S>{seen.depth.value}.linearize(view, landmark.bearing, lambda);
     if (!depth.valid) return sum;
-    depth.r(0) = lambda / p.z() - seen.depth.value;
+    depth.J_r_anchor = depth.J_r_target * transport;
     const S s_z = square(depth.r(0) / seen.depth.sigma);
     const S w_z = std::sqrt(depth_loss_.weight(s_z)) / seen.depth.sigma;
     sum += {depth_loss_.rho(s_z) / 2, square(w_z * depth.J_r_lambda(0))};

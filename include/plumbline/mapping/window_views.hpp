@@ -1,8 +1,11 @@
 #pragma once
 /// How every camera of the window sees every other one, computed once for all landmarks.    docs/math/window.md
 ///
-/// Two sets: at the current poses, for residuals, and at the linearization points, for Jacobians. They differ only
-/// where the prior has fixed a linearization point (first-estimate Jacobians).
+/// Poses enter what is seen through T_target^-1 T_anchor alone: a step of the anchor moves it as a step of the target
+/// would,
+///   J_anchor = J_target transport,   transport = -Ad(T_target^-1 T_anchor).                                    (4)
+/// This is taken at the linearization points, all else at the current state: (4) alone decides that a step of the whole
+/// window, as the prior knows it, changes no residual (first-estimate Jacobians).
 
 #include <array>
 
@@ -15,12 +18,12 @@ namespace plumbline {
 template <class S, int Slots>
 class WindowViews {
  public:
-  /// At the current poses and linearization points.
+  /// At the current poses, transports at the linearization points.
   void linearize(const FrameWindow<S, Slots>& window, const SE3<S>& T_body_cam) {
     update(window, T_body_cam);
     for_each_pair(window, [&](int anchor, int target) {
-      at(linear_, anchor, target) = RelativeView<S>(window[anchor].pose.linearization_point(),
-                                                    window[target].pose.linearization_point(), T_body_cam);
+      const SE3<S> T_target_world = window[target].pose.linearization_point().inverse();
+      at(transports_, anchor, target) = -(T_target_world * window[anchor].pose.linearization_point()).adjoint();
     });
   }
   /// The current poses alone, for values without Jacobians.
@@ -32,10 +35,12 @@ class WindowViews {
   }
 
   const RelativeView<S>& current(int anchor, int target) const { return at(current_, anchor, target); }
-  const RelativeView<S>& linear(int anchor, int target) const { return at(linear_, anchor, target); }
+  /// (4), 6x6.
+  const Mat<S, 6, 6>& transport(int anchor, int target) const { return at(transports_, anchor, target); }
 
  private:
-  using Table = std::array<RelativeView<S>, Slots * Slots>;
+  template <class T>
+  using Table = std::array<T, Slots * Slots>;
 
   template <class T>
   static auto& at(T& table, int anchor, int target) {
@@ -51,7 +56,8 @@ class WindowViews {
     }
   }
 
-  Table current_, linear_;
+  Table<RelativeView<S>> current_;
+  Table<Mat<S, 6, 6>> transports_;
 };
 
 }  // namespace plumbline
