@@ -108,7 +108,7 @@ TEMPLATE_TEST_CASE("pose_ransac: a good prior is refined without sampling", "", 
   REQUIRE(result.valid);
   CHECK(result.inliers > 100);
   CHECK(minus(result.T_cam_world.template cast<double>(), scene.T_cam_world).norm() <
-        (std::is_same_v<S, float> ? 1e-5 : 1e-12));
+        (std::is_same_v<S, float> ? 1e-5 : 1e-6));  // outliers keep a trace of weight
 }
 
 TEST_CASE("pose_ransac: same input, same output") {

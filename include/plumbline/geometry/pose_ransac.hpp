@@ -96,14 +96,14 @@ S cost(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondences, cons
   return sum;
 }
 
-/// Gauss-Newton on (7) with weights (g / (g + e^2))^2 that start wide, so that a pose from three noisy points, or one
-/// that fits none, is pulled to the consensus around it, and end at the gate of (5).
+/// Gauss-Newton on (7) with weights (g / (g + e^2))^2: g starts wide, so that a pose from three noisy points, or one
+/// that fits none, is pulled to the consensus around it, and closes to the gate of (5).
 template <class S, std::size_t Capacity>
 SE3<S> refine(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondences, SE3<S> T_cam_world, S chi2) {
   for (const S widening : {S(400), S(16), S(4), S(1), S(1)}) {
-    const auto weight = [chi2, gate = widening * chi2](S e2) {
+    const auto weight = [gate = widening * chi2](S e2) {
       const S w = gate / (gate + e2);
-      return gate > chi2 ? w * w : S(e2 < chi2);
+      return w * w;
     };
     Mat<S, 6, 6> H = Mat<S, 6, 6>::Zero();
     Vec<S, 6> g = Vec<S, 6>::Zero();
