@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "nearest.hpp"
-#include "output_file.hpp"
+#include "plumbline/io/output_file.hpp"
 #include "plumbline/io/recording.hpp"
 #include "plumbline/opencv/image_file.hpp"
 #include "progress.hpp"
@@ -58,8 +58,8 @@ void write_ply(std::ofstream& out, const std::vector<pl::Vec<double, 3>>& points
   for (const pl::Vec<double, 3>& p : points) out << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
 }
 
-std::unique_ptr<OutputFile> open_output(const std::optional<std::filesystem::path>& file) {
-  return file ? std::make_unique<OutputFile>(*file) : nullptr;
+std::unique_ptr<pl::io::OutputFile> open_output(const std::optional<std::filesystem::path>& file) {
+  return file ? std::make_unique<pl::io::OutputFile>(*file) : nullptr;
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ int run_configuration(const RunOptions& options) {
                              " needs IMU samples, their noise and T_body_camera");
 
   pl::io::TrajectoryWriter trajectory(options.trajectory);
-  const std::unique_ptr<OutputFile> timing = open_output(options.timing), ply = open_output(options.landmarks);
+  const std::unique_ptr<pl::io::OutputFile> timing = open_output(options.timing), ply = open_output(options.landmarks);
   if (timing) timing->stream() << "timestamp_ns,track_ms,estimate_ms,map_ms,total_ms,health\n";
 
   const std::unique_ptr<Runner> runner = configuration.make(recording.calibration());

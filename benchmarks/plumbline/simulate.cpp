@@ -8,9 +8,9 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "output_file.hpp"
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/camera/radtan.hpp"
+#include "plumbline/io/output_file.hpp"
 #include "plumbline/testing/rig.hpp"
 #include "plumbline/testing/scenes.hpp"
 #include "plumbline/testing/simulated_camera.hpp"
@@ -59,7 +59,7 @@ std::string seconds(TimeNs t_ns) {
 std::string image_name(TimeNs t_ns) { return std::to_string(t_ns) + ".png"; }
 
 void write_text(const fs::path& file, const std::string& text) {
-  OutputFile out(file);
+  io::OutputFile out(file);
   out.stream() << text;
   out.commit();
 }

@@ -4,14 +4,12 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <stdexcept>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "plumbline/core/time.hpp"
+#include "plumbline/io/output_file.hpp"
 #include "plumbline/io/text.hpp"
 #include "plumbline/lie/se3.hpp"
 
@@ -98,23 +96,10 @@ inline Trajectory moved_to(const Trajectory& trajectory, const SE3<double>& T_bo
   return out;
 }
 
-/// Writes a TUM trajectory row by row into FILE.part and gives it its name in `commit`; without `commit` nothing is
-/// left, so that a run that failed half way leaves no file that looks complete.
+/// Writes a TUM trajectory row by row, as an OutputFile.
 class TrajectoryWriter {
  public:
-  explicit TrajectoryWriter(std::filesystem::path file) : file_(std::move(file)), part_(file_.string() + ".part") {
-    if (std::filesystem::is_directory(file_)) throw std::runtime_error(file_.string() + ": is a directory");
-    stream_.open(part_);
-    if (!stream_) throw std::runtime_error(file_.string() + ": cannot be written");
-  }
-  TrajectoryWriter(const TrajectoryWriter&) = delete;
-  TrajectoryWriter& operator=(const TrajectoryWriter&) = delete;
-  ~TrajectoryWriter() {
-    if (committed_) return;
-    stream_.close();
-    std::error_code ignored;
-    std::filesystem::remove(part_, ignored);
-  }
+  explicit TrajectoryWriter(std::filesystem::path file) : file_(std::move(file)) {}
 
   void add(const StampedPose& pose) {
     const Vec<double, 3>& p = pose.T_world_body.p();
@@ -123,20 +108,13 @@ class TrajectoryWriter {
     char row[256];
     std::snprintf(row, sizeof row, "%s%lld.%09lld %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n", t < 0 ? "-" : "",
                   ns / 1'000'000'000, ns % 1'000'000'000, p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
-    stream_ << row;
+    file_.stream() << row;
   }
 
-  void commit() {
-    stream_.close();
-    if (!stream_) throw std::runtime_error(file_.string() + ": cannot be written (disk full?)");
-    std::filesystem::rename(part_, file_);
-    committed_ = true;
-  }
+  void commit() { file_.commit(); }
 
  private:
-  std::filesystem::path file_, part_;
-  std::ofstream stream_;
-  bool committed_ = false;
+  OutputFile file_;
 };
 
 }  // namespace plumbline::io

@@ -1,24 +1,31 @@
 #pragma once
-/// A text file that appears under its name when it is complete: written as FILE.part, named in `commit`.
+/// A text file that appears under its name when it is complete: written as FILE.part, named in `commit`. Without
+/// `commit` nothing is left, so that a run that failed half way leaves no file that looks complete.
 
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+#include <string>
 #include <system_error>
 #include <utility>
 
+namespace plumbline::io {
+
+/// Throws std::runtime_error that names the file. What is no file but takes one (/dev/null, a pipe) is written as it
+/// is.
 class OutputFile {
  public:
-  explicit OutputFile(std::filesystem::path file) : file_(std::move(file)), part_(file_.string() + ".part") {
+  explicit OutputFile(std::filesystem::path file) : file_(std::move(file)), part_(file_) {
     if (std::filesystem::is_directory(file_)) throw std::runtime_error(file_.string() + ": is a directory");
+    if (!std::filesystem::exists(file_) || std::filesystem::is_regular_file(file_)) part_ += ".part";
     stream_.open(part_);
     if (!stream_) throw std::runtime_error(file_.string() + ": cannot be written");
   }
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
   ~OutputFile() {
-    if (committed_) return;
     stream_.close();
+    if (committed_ || part_ == file_) return;
     std::error_code ignored;
     std::filesystem::remove(part_, ignored);
   }
@@ -28,7 +35,7 @@ class OutputFile {
   void commit() {
     stream_.close();
     if (!stream_) throw std::runtime_error(file_.string() + ": cannot be written (disk full?)");
-    std::filesystem::rename(part_, file_);
+    if (part_ != file_) std::filesystem::rename(part_, file_);
     committed_ = true;
   }
 
@@ -37,3 +44,5 @@ class OutputFile {
   std::ofstream stream_;
   bool committed_ = false;
 };
+
+}  // namespace plumbline::io

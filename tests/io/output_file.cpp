@@ -1,0 +1,54 @@
+#include "plumbline/io/output_file.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "../temporary_directory.hpp"
+#include "catch.hpp"
+
+using plumbline::io::OutputFile;
+
+namespace {
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+TEST_CASE("output_file: appears when it is complete, in place of what was there") {
+  const TemporaryDirectory directory;
+  const auto file = directory.write("out.txt", "old");
+  OutputFile out(file);
+  out.stream() << "new\n";
+  out.stream().flush();
+  REQUIRE(text_of(file) == "old");
+  out.commit();
+  REQUIRE(text_of(file) == "new\n");
+  REQUIRE(!std::filesystem::exists(file.string() + ".part"));
+}
+
+TEST_CASE("output_file: without commit nothing is left") {
+  const TemporaryDirectory directory;
+  { OutputFile(directory.path() / "out.txt").stream() << "half"; }
+  REQUIRE(std::filesystem::is_empty(directory.path()));
+}
+
+TEST_CASE("output_file: what cannot be written is named") {
+  const TemporaryDirectory directory;
+  const auto missing = directory.path() / "missing" / "out.txt";
+  REQUIRE(says(message_of([&] { OutputFile{missing}; }), missing, 0, "cannot be written"));
+  REQUIRE(says(message_of([&] { OutputFile{directory.path()}; }), directory.path(), 0, "is a directory"));
+}
+
+TEST_CASE("output_file: a device stays one") {
+  const std::filesystem::path device = "/dev/full";  // takes nothing
+  if (!std::filesystem::is_character_file(device)) return;
+  OutputFile out(device);
+  out.stream() << "lost";
+  REQUIRE(says(message_of([&] { out.commit(); }), device, 0, "disk full"));
+  REQUIRE(std::filesystem::is_character_file(device));
+}
