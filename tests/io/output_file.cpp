@@ -44,6 +44,17 @@ TEST_CASE("output_file: what cannot be written is named") {
   REQUIRE(says(message_of([&] { OutputFile{directory.path()}; }), directory.path(), 0, "is a directory"));
 }
 
+TEST_CASE("output_file: a link stays one, and leads to what was written") {
+  const TemporaryDirectory directory;
+  const auto file = directory.write("out.txt", "old"), link = directory.path() / "link.txt";
+  std::filesystem::create_symlink(file, link);
+  OutputFile out(link);
+  out.stream() << "new";
+  out.commit();
+  REQUIRE(std::filesystem::is_symlink(link));
+  REQUIRE(text_of(file) == "new");
+}
+
 TEST_CASE("output_file: a device stays one") {
   const std::filesystem::path device = "/dev/full";  // takes nothing
   if (!std::filesystem::is_character_file(device)) return;

@@ -11,13 +11,14 @@
 
 namespace plumbline::io {
 
-/// Throws std::runtime_error that names the file. What is no file but takes one (/dev/null, a pipe) is written as it
-/// is.
+/// Throws std::runtime_error that names the file. What stands there and is no plain file (a device, a pipe, a link)
+/// stays what it is: it is written directly.
 class OutputFile {
  public:
   explicit OutputFile(std::filesystem::path file) : file_(std::move(file)), part_(file_) {
     if (std::filesystem::is_directory(file_)) throw std::runtime_error(file_.string() + ": is a directory");
-    if (!std::filesystem::exists(file_) || std::filesystem::is_regular_file(file_)) part_ += ".part";
+    const std::filesystem::file_status status = std::filesystem::symlink_status(file_);
+    if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status)) part_ += ".part";
     stream_.open(part_);
     if (!stream_) throw std::runtime_error(file_.string() + ": cannot be written");
   }
