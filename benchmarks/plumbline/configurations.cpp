@@ -21,6 +21,7 @@ std::span<const Configuration> configurations() {
       {"rgbd-imu/points+lines/window", rgbd_imu, make_rgbd_imu_points_lines_window},
       {"mono-imu/points/window", mono_imu, make_mono_imu_points_window},
       {"mono-imu/points+lines/window", mono_imu, make_mono_imu_points_lines_window},
+      {"rgbd-inertial-vio", rgbd_imu, make_rgbd_imu_points_lines_window},  // published, see systems/
   };
   return all;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "inspect.hpp"
 #include "plumbline/estimator/estimate.hpp"
 #include "plumbline/io/make_camera.hpp"
 #include "plumbline/opencv/mat_view.hpp"
@@ -36,8 +37,7 @@ Sensors make_sensors(const plumbline::io::Calibration& calibration) {
   if (camera.readout_s) sensors.vision.readout = {static_cast<S>(*camera.readout_s), S(0)};
   if constexpr (Sensors::has_imu) {
     sensors.imu.T_body_cam = calibration.T_body_camera.value();
-    sensors.imu.noise = calibration.imu.value();
-    sensors.imu.camera_time_offset_s = calibration.camera_time_offset_s;
+    sensors.imu.noise = calibration.imu.value();  // no time offset: a recording's frames are on the IMU's clock
   }
   return sensors;
 }
@@ -58,6 +58,7 @@ class EstimatorRunner final : public Runner {
     frame.t_ns = t_ns;
     frame.gray = plumbline::opencv::view<std::uint8_t>(gray);
     if constexpr (Sensors::has_depth) frame.depth = plumbline::opencv::view<std::uint16_t>(depth);
+    previous_ns_ = estimator_->latest().t_ns;
     const plumbline::Result<plumbline::Estimate<S>> estimate = estimator_->add_frame(frame);
     FrameOutput out;
     if (!estimate) {
@@ -84,6 +85,9 @@ class EstimatorRunner final : public Runner {
     return points;
   }
 
+  Inspection inspect() const override { return ::inspect(*estimator_, previous_ns_); }
+
  private:
   std::unique_ptr<Estimator> estimator_;
+  plumbline::TimeNs previous_ns_ = 0;  ///< of the frame before the latest
 };

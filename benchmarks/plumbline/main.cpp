@@ -53,6 +53,14 @@ void add_run(CLI::App& app, RunOptions& options) {
   command->add_option("--timing", options.timing, "Times of each frame to write, CSV");
   command->add_option("--landmarks", options.landmarks, "Points of the final map to write, PLY");
   command->add_option("--calibration", options.calibration, "Calibration instead of the recording's own");
+  CLI::Option* debug = command->add_option(
+      "--debug", options.debug.directory,
+      "Folder to make (or empty) for pictures of the frames with their features, tables and report.html");
+  command->add_option("--debug-every", options.debug.every, "Pictures of every n-th frame")
+      ->check(CLI::PositiveNumber)
+      ->needs(debug);
+  command->add_option("--reference", options.debug.reference, "True trajectory for the errors in the debug folder")
+      ->needs(debug);
   command->add_option("--start", options.start_s, "Begin this long after the first frame [s]")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--duration", options.duration_s, "Length of the part to run [s]")->check(CLI::PositiveNumber);

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <stdexcept>
 #include <vector>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "axis.hpp"
 
 namespace io = plumbline::io;
 
@@ -19,7 +20,8 @@ constexpr int zoom = 2;
 constexpr int width = 1100, height = 820;                    // [px]
 constexpr int left = 70, right = 30, top = 70, bottom = 60;  // margins [px]
 
-const cv::Scalar ink(60, 60, 60), faint(228, 228, 228), pale(190, 190, 190), gray(140, 140, 140), black(40, 40, 40), blue(200, 110, 20);
+const cv::Scalar ink(60, 60, 60), faint(228, 228, 228), pale(190, 190, 190), gray(140, 140, 140), black(40, 40, 40),
+    blue(200, 110, 20);
 const cv::Scalar green(60, 150, 40), red(50, 50, 210);
 
 /// World to picture: two of the axes, equal scale, the second axis up.
@@ -72,33 +74,18 @@ void write(cv::Mat& picture, const std::string& text, cv::Point at, double scale
   cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, zoom * scale, color, zoom, cv::LINE_AA);
 }
 
-/// 1, 2 or 5 times a power of ten, about a ninth of the range.
-double grid_step(double range) {
-  const double raw = range / 9, power = std::pow(10, std::floor(std::log10(raw)));
-  for (const double factor : {1.0, 2.0, 5.0})
-    if (factor * power >= raw) return factor * power;
-  return 10 * power;
-}
-
-std::string label(double value, double step) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.*f", std::max(0, -static_cast<int>(std::floor(std::log10(step)))),
-                std::abs(value) < step / 2 ? 0.0 : value);
-  return text;
-}
-
 void draw_grid(cv::Mat& picture, const View& view) {
-  const double step = grid_step(view.high_x - view.low_x);
+  const double step = grid_step(view.high_x - view.low_x, 9);
   for (double x = std::ceil(view.low_x / step) * step; x < view.high_x; x += step) {
     const cv::Point foot = view.at(x, view.low_y);
     cv::line(picture, foot, view.at(x, view.high_y), faint, zoom, cv::LINE_AA);
-    const std::string text = label(x, step);
+    const std::string text = grid_label(x, step);
     write(picture, text, {foot.x - text_size(text, 0.42).width / 2, foot.y + zoom * 20}, 0.42);
   }
   for (double y = std::ceil(view.low_y / step) * step; y < view.high_y; y += step) {
     const cv::Point foot = view.at(view.low_x, y);
     cv::line(picture, foot, view.at(view.high_x, y), faint, zoom, cv::LINE_AA);
-    const std::string text = label(y, step);
+    const std::string text = grid_label(y, step);
     const cv::Size size = text_size(text, 0.42);
     write(picture, text, {foot.x - size.width - zoom * 8, foot.y + size.height / 2}, 0.42);
   }
@@ -130,7 +117,7 @@ void draw_marks(cv::Mat& picture, const View& view, const io::Trajectory& trajec
   cv::rectangle(picture, end - half, end + half, red, cv::FILLED, cv::LINE_AA);
 }
 
-void draw_legend(cv::Mat& picture) {
+void draw_legend(cv::Mat& picture, bool with_reference) {
   const int y = zoom * (top - 20);
   int x = zoom * (width - right - 400);
   const auto line = [&](const char* name, const cv::Scalar& color, int thickness) {
@@ -138,7 +125,7 @@ void draw_legend(cv::Mat& picture) {
     write(picture, name, {x + zoom * 36, y + zoom * 5}, 0.5);
     x += zoom * 130;
   };
-  line("reference", gray, 4);
+  if (with_reference) line("reference", gray, 4);
   line("estimate", blue, 2);
   cv::circle(picture, {x, y}, zoom * 6, green, cv::FILLED, cv::LINE_AA);
   write(picture, "start", {x + zoom * 12, y + zoom * 5}, 0.5);
@@ -151,7 +138,7 @@ void draw_legend(cv::Mat& picture) {
 
 void draw_trajectories(const std::filesystem::path& png, const io::Trajectory& reference,
                        const io::Trajectory& estimate, const std::string& title) {
-  if (reference.empty() || estimate.empty()) throw std::runtime_error(png.string() + ": nothing to draw");
+  if (estimate.empty()) throw std::runtime_error(png.string() + ": nothing to draw");
   io::Trajectory covered;
   for (const io::StampedPose& pose : reference)
     if (pose.t_ns >= estimate.front().t_ns && pose.t_ns <= estimate.back().t_ns) covered.push_back(pose);
@@ -163,7 +150,7 @@ void draw_trajectories(const std::filesystem::path& png, const io::Trajectory& r
   draw_path(picture, view, covered, gray, 4);
   draw_path(picture, view, estimate, blue, 2);
   draw_marks(picture, view, estimate);
-  draw_legend(picture);
+  draw_legend(picture, !reference.empty());
   write(picture, title, {zoom * left, zoom * 26}, 0.6, black);
   cv::resize(picture, picture, {width, height}, 0, 0, cv::INTER_AREA);
   if (!cv::imwrite(png.string(), picture)) throw std::runtime_error(png.string() + ": cannot be written");

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "format.hpp"
 #include "nearest.hpp"
 #include "plumbline/io/output_file.hpp"
 #include "plumbline/io/recording.hpp"
@@ -58,6 +59,15 @@ void write_ply(std::ofstream& out, const std::vector<pl::Vec<double, 3>>& points
   for (const pl::Vec<double, 3>& p : points) out << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
 }
 
+std::string summary_of(std::size_t read, std::size_t poses, std::size_t skipped, std::size_t refused,
+                       std::vector<double> total_ms) {
+  std::sort(total_ms.begin(), total_ms.end());
+  const double median_ms = total_ms.empty() ? 0 : total_ms[total_ms.size() / 2];
+  const double longest_ms = total_ms.empty() ? 0 : total_ms.back();
+  return format("%zu frames: %zu poses, %zu skipped, %zu refused; median %.2f ms, longest %.2f ms", read, poses,
+                skipped, refused, median_ms, longest_ms);
+}
+
 std::unique_ptr<pl::io::OutputFile> open_output(const std::optional<std::filesystem::path>& file) {
   return file ? std::make_unique<pl::io::OutputFile>(*file) : nullptr;
 }
@@ -79,6 +89,10 @@ int run_configuration(const RunOptions& options) {
   pl::io::TrajectoryWriter trajectory(options.trajectory);
   const std::unique_ptr<pl::io::OutputFile> timing = open_output(options.timing), ply = open_output(options.landmarks);
   if (timing) timing->stream() << "timestamp_ns,track_ms,estimate_ms,map_ms,total_ms,health\n";
+
+  std::optional<DebugReport> debug;
+  if (!options.debug.directory.empty())
+    debug.emplace(options.debug, options.config + " on " + options.dataset.string());
 
   const std::unique_ptr<Runner> runner = configuration.make(recording.calibration());
   std::size_t read = 0, skipped = 0, refused = 0, poses = 0;
@@ -111,8 +125,11 @@ int run_configuration(const RunOptions& options) {
       trajectory.add({frame.t_ns, *output.T_world_body});
     }
     if (timing) write_timing(timing->stream(), frame.t_ns, output);
+    if (debug) debug->add(read - 1, frame.t_ns, images.gray, output, runner->inspect());
     total_ms.push_back(1e3 * output.timing.total);
   }
+  const std::string summary = summary_of(read, poses, skipped, refused, total_ms);
+  if (debug) debug->finish(summary);
   if (poses == 0)
     throw std::runtime_error(options.dataset.string() + ": no pose in " + std::to_string(read) + " frames");
 
@@ -122,8 +139,6 @@ int run_configuration(const RunOptions& options) {
     write_ply(ply->stream(), runner->landmarks());
     ply->commit();
   }
-  std::sort(total_ms.begin(), total_ms.end());
-  std::printf("%zu frames: %zu poses, %zu skipped, %zu refused; median %.2f ms, longest %.2f ms\n", read, poses,
-              skipped, refused, total_ms[total_ms.size() / 2], total_ms.back());
+  std::puts(summary.c_str());
   return 0;
 }

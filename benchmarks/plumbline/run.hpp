@@ -6,13 +6,17 @@
 #include <optional>
 #include <string>
 
+#include "debug_report.hpp"
+
 struct RunOptions {
   std::string config;
   std::filesystem::path dataset, trajectory;
   std::optional<std::filesystem::path> timing, landmarks, calibration;
+  DebugOptions debug;  ///< without a directory: nothing
   double start_s = 0;
   double duration_s = std::numeric_limits<double>::infinity();
 };
 
-/// Prints a summary to stdout; returns the exit status 0. Throws std::runtime_error that says what is wrong in one line.
+/// Prints a summary to stdout; returns the exit status 0. Throws std::runtime_error that says what is wrong in one
+/// line.
 int run_configuration(const RunOptions& options);

@@ -10,6 +10,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "inspection.hpp"
 #include "plumbline/core/result.hpp"
 #include "plumbline/core/time.hpp"
 #include "plumbline/estimator/clock.hpp"
@@ -33,6 +34,8 @@ class Runner {
   virtual FrameOutput add_frame(plumbline::TimeNs t_ns, const cv::Mat& gray, const cv::Mat& depth) = 0;
   /// Points of the present map, in world coordinates [m].
   virtual std::vector<plumbline::Vec<double, 3>> landmarks() const = 0;
+  /// What there is to see of the latest frame.
+  virtual Inspection inspect() const = 0;
 };
 
 /// What a recording must have.
@@ -41,7 +44,7 @@ struct Needs {
 };
 
 struct Configuration {
-  const char* name;  ///< <sensor>/<features>/<backend>
+  const char* name;  ///< <sensor>/<features>/<backend>, or that of a published system
   Needs needs;
   std::unique_ptr<Runner> (*make)(const plumbline::io::Calibration& calibration);  ///< throws std::runtime_error
 };

@@ -2,12 +2,12 @@
 
 #include <array>
 #include <cmath>
-#include <cstdarg>
 #include <cstdio>
 #include <stdexcept>
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "format.hpp"
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/camera/radtan.hpp"
 #include "plumbline/io/output_file.hpp"
@@ -41,15 +41,6 @@ const Pinhole<double> rgbd_camera{536.2, 535.8, 321.4, 245.7};
 constexpr int rgbd_width = 640, rgbd_height = 480;
 const Pinhole<double, RadTan> mono_camera{458.6, 457.4, 367.1, 248.2, {-0.2834, 0.07396, 1.94e-4, 1.76e-5}};
 constexpr int mono_width = 752, mono_height = 480;
-
-[[gnu::format(printf, 1, 2)]] std::string format(const char* pattern, ...) {
-  std::array<char, 512> text{};
-  va_list arguments;
-  va_start(arguments, pattern);
-  std::vsnprintf(text.data(), text.size(), pattern, arguments);
-  va_end(arguments);
-  return text.data();
-}
 
 TimeNs frame_time_ns(int frame) { return t_start_ns + frame * (1'000'000'000 / camera_rate_hz); }
 std::string seconds(TimeNs t_ns) {

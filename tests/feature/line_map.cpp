@@ -139,8 +139,11 @@ TEST_CASE(
     right.map->reject_current(int(i));
   }
   REQUIRE(right.map->tracked_count() == 0);
+  REQUIRE(right.map->rejected().size() == right.map->landmarks().size());
   right.map->align(right.view(5), right.window, truth(5));
   REQUIRE(right.map->tracked_count() > 0.8 * tracked);
+  right.follow(6);
+  REQUIRE(right.map->rejected().empty());
 }
 
 TEST_CASE("line_map: without depth, lines come from two views with parallax") {

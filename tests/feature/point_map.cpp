@@ -166,10 +166,18 @@ TEMPLATE_TEST_CASE("point_map: outliers leave the frame, the pose is found", "",
   SE3<S> T = plus(life.T(1), (Vec<S, 6>() << S(0.01), S(-0.01), S(0.02), S(0.03), S(0.02), S(-0.03)).finished());
   life.map->reject_outliers(life.view(1), life.window, PoseRansacOptions{}, T);
   REQUIRE(minus(T, life.T(1)).template tail<3>().norm() < S(0.03));
+  std::set<std::uint32_t> rejected;
+  for (const auto& each : life.map->rejected()) rejected.insert(each.id);
   for (std::size_t i = 0; i < landmarks.size(); i += 4) {
     if (landmarks[i].located) REQUIRE_FALSE(landmarks[i].current.valid);
   }
+  for (const auto& landmark : landmarks) {
+    if (rejected.contains(landmark.id)) REQUIRE_FALSE(landmark.current.valid);
+  }
+  REQUIRE(rejected.size() > landmarks.size() / 8);
   REQUIRE(life.map->tracked_count() > int(landmarks.size()) / 2);
+  life.track(2);
+  REQUIRE(life.map->rejected().empty());
 }
 
 TEST_CASE("point_map: later keyframes are recorded; one that leaves takes the landmarks anchored in it along") {

@@ -211,11 +211,14 @@ class WindowBackend {
     return found;
   }
 
-  /// Covariance of the newest keyframe's pose given the whole window, 6x6 [dphi, dp]; false when it is not defined.
-  bool newest_covariance(Mat<S, 6, 6>& covariance) const {
+  /// Covariance of the newest frame's pose [dphi, dp] given the whole window, or of more of its block, [pose, velocity,
+  /// biases]; false when it is not defined.
+  template <int Dim>
+  bool newest_covariance(Mat<S, Dim, Dim>& covariance) const {
+    static_assert(Dim <= block_dim);
     Mat<double, block_dim, block_dim> block;
     if (!equations_.covariance_block(window_.newest(), block)) return false;
-    covariance = block.template topLeftCorner<6, 6>().template cast<S>();
+    covariance = block.template topLeftCorner<Dim, Dim>().template cast<S>();
     return true;
   }
 

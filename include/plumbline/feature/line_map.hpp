@@ -56,11 +56,18 @@ class LineMap {
   using WindowTerms = LineWindowTerms<Sensors, LineMap, BlockDim>;
   using MotionTerms = LineMotionTerms<Sensors, LineMap>;
 
+  /// Of the latest frame: seen there, but not where its pose has it.
+  struct Rejected {
+    std::uint32_t id;
+    LineSegment segment;
+  };
+
   explicit LineMap(const Options& options) : options_(options) {}
 
   const Options& options() const { return options_; }
   const Landmarks& landmarks() const { return landmarks_; }
   Landmarks& landmarks() { return landmarks_; }
+  const FixedVector<Rejected, Capacity>& rejected() const { return rejected_; }
 
   /// Located landmarks that the latest frame sees.
   int tracked_count() const {
@@ -72,6 +79,7 @@ class LineMap {
   /// Follows all landmarks of the previous frame into the current one, starting where the predicted pose sees them.
   void track(const View<Sensors>& view, const Window& window, const SE3<S>& T_world_body_previous,
              const SE3<S>& T_world_body_predicted) {
+    rejected_.clear();
     has_edges_ = edges_.compute(view.current.level(0), options_.detector.min_gradient);
     const SE3<S> T_cam_world = (T_world_body_predicted * view.T_body_cam).inverse();
     const SO3<S> R_cam_previous = T_cam_world.rotation() * (T_world_body_previous * view.T_body_cam).rotation();
@@ -97,7 +105,11 @@ class LineMap {
 
   /// All errors of the frame are `scale` times those expected.
   void scale_sigma(int index, S scale) { landmarks_[static_cast<std::size_t>(index)].current.scale_sigma(scale); }
-  void reject_current(int index) { landmarks_[static_cast<std::size_t>(index)].current.valid = false; }
+  void reject_current(int index) {
+    Landmark& landmark = landmarks_[static_cast<std::size_t>(index)];
+    landmark.current.valid = false;
+    rejected_.push_back({landmark.id, landmark.current.segment});
+  }
 
   /// Looks again for every landmark without an edge that the pose puts into the image, and updates what is seen of the
   /// others.
@@ -379,6 +391,7 @@ class LineMap {
 
   Options options_;
   Landmarks landmarks_;
+  FixedVector<Rejected, Capacity> rejected_;
   EdgeMap<decltype(Sensors::vision)::max_pixels> edges_;
   bool has_edges_ = false;  ///< of the current frame, not yet taken by the detector
   LineTracker tracker_;

@@ -51,11 +51,18 @@ class PointMap {
   using WindowTerms = PointWindowTerms<Sensors, PointMap, BlockDim>;
   using MotionTerms = PointMotionTerms<Sensors, PointMap>;
 
+  /// Of the latest frame: seen there, but not where its pose has it.
+  struct Rejected {
+    std::uint32_t id;
+    Vec<float, 2> pixel;
+  };
+
   explicit PointMap(const Options& options) : options_(options) {}
 
   const Options& options() const { return options_; }
   const Landmarks& landmarks() const { return landmarks_; }
   Landmarks& landmarks() { return landmarks_; }
+  const FixedVector<Rejected, Capacity>& rejected() const { return rejected_; }
 
   /// Landmarks with known inverse range that the latest frame sees.
   int tracked_count() const {
@@ -67,6 +74,7 @@ class PointMap {
   /// Follows all landmarks of the previous frame into the current one, starting where the predicted pose sees them.
   void track(const View<Sensors>& view, const Window& window, const SE3<S>& T_world_body_previous,
              const SE3<S>& T_world_body_predicted) {
+    rejected_.clear();
     const SE3<S> T_cam_world = (T_world_body_predicted * view.T_body_cam).inverse();
     const SO3<S> R_cam_previous = T_cam_world.rotation() * (T_world_body_previous * view.T_body_cam).rotation();
     for (Landmark& landmark : landmarks_) {
@@ -115,13 +123,17 @@ class PointMap {
     if (!found.valid) return;
     T_world_body = (view.T_body_cam * found.T_cam_world).inverse();
     for (std::size_t k = 0; k < indices_.size(); ++k) {
-      if (!found.inlier[k]) landmarks_[indices_[k]].current.valid = false;
+      if (!found.inlier[k]) reject_current(static_cast<int>(indices_[k]));
     }
   }
 
   /// All errors of the frame are `scale` times those expected.
   void scale_sigma(int index, float scale) { landmarks_[static_cast<std::size_t>(index)].current.L /= scale; }
-  void reject_current(int index) { landmarks_[static_cast<std::size_t>(index)].current.valid = false; }
+  void reject_current(int index) {
+    Landmark& landmark = landmarks_[static_cast<std::size_t>(index)];
+    landmark.current.valid = false;
+    rejected_.push_back({landmark.id, landmark.current.pixel});
+  }
 
   /// Aligns every landmark that the pose puts into the image with its pixels in the anchor: tracked ones are corrected,
   /// lost ones found again.
@@ -348,6 +360,7 @@ class PointMap {
 
   Options options_;
   Landmarks landmarks_;
+  FixedVector<Rejected, Capacity> rejected_;
   FixedVector<Corner, Capacity> corners_;
   FixedVector<PoseCorrespondence<S>, Capacity> correspondences_;
   FixedVector<std::size_t, Capacity> indices_;

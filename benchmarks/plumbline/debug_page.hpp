@@ -1,0 +1,32 @@
+#pragma once
+/// The page of a debug folder: pictures of the frames beside plots of everything over time, without any library.
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "plumbline/core/time.hpp"
+#include "plumbline/estimator/health.hpp"
+#include "table.hpp"
+#include "truth_comparison.hpp"
+
+struct DebugPage {
+  struct Picture {
+    std::size_t row;
+    std::string file;  ///< beside the page
+  };
+
+  const std::string& title;
+  const std::string& summary;
+  const Table& frames;                          ///< frames.csv
+  const std::vector<plumbline::TimeNs>& times;  ///< of its rows
+  const std::vector<plumbline::HealthState>& health;
+  const std::vector<Picture>& pictures;
+  const std::vector<std::string>& kinds;  ///< of features: prefixes of columns
+  bool has_imu, has_trajectory;           ///< the latter: trajectory.png beside the page
+  const std::vector<TruthError>& errors;  ///< empty without truth
+};
+
+/// Throws std::runtime_error when it cannot be written. At least one row.
+void write_debug_page(const std::filesystem::path& html, const DebugPage& page);

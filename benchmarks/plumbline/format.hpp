@@ -1,0 +1,16 @@
+#pragma once
+/// printf into a string of up to 511 characters.
+
+#include <array>
+#include <cstdarg>
+#include <cstdio>
+#include <string>
+
+[[gnu::format(printf, 1, 2)]] inline std::string format(const char* pattern, ...) {
+  std::array<char, 512> text{};
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(text.data(), text.size(), pattern, arguments);
+  va_end(arguments);
+  return text.data();
+}

@@ -1,0 +1,48 @@
+#pragma once
+/// What `plumbline run --debug` looks at after a frame: plain data, the same of every configuration.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/estimator/estimate.hpp"
+#include "plumbline/estimator/inertial_start.hpp"
+#include "plumbline/imu/imu_buffer.hpp"
+
+/// Where a frame shows a landmark [px]: from start to end of an edge; both are one place of a point.
+struct Sighting {
+  std::uint32_t id;
+  bool located;
+  plumbline::Vec<float, 2> start, end;
+};
+
+/// How far an observation is from where the published pose has its landmark.
+struct Innovation {
+  double px;     ///< of an edge: root mean square of its ends
+  double sigma;  ///< in standard deviations of both together, two degrees of freedom: their median should be 1.18
+};
+
+/// One kind of features.
+struct FeatureInspection {
+  bool are_lines;
+  std::size_t landmarks;                 ///< in the map
+  std::vector<Sighting> seen, rejected;  ///< by the frame; what does not fit its pose is rejected
+  std::vector<Innovation> innovations;   ///< of what is seen and located, once there is a pose
+};
+
+/// Of rigs with an IMU.
+struct InertialInspection {
+  plumbline::InitReport start;
+  bool at_rest;
+  plumbline::ImuCoverage coverage;                 ///< of the time since the last frame
+  std::optional<plumbline::Vec<double, 9>> sigma;  ///< of velocity, gyroscope bias, accelerometer bias
+};
+
+struct Inspection {
+  plumbline::Estimate<double> estimate;
+  double readout_s;  ///< of the camera, as far as it is known
+  std::vector<FeatureInspection> features;
+  std::optional<InertialInspection> inertial;
+};
