@@ -15,3 +15,4 @@
 #include "plumbline/sensor/mono.hpp"
 #include "plumbline/sensor/rgbd.hpp"
 #include "plumbline/sensor/rig.hpp"
+#include "plumbline/systems/rgbd_inertial_vio.hpp"

@@ -4,6 +4,7 @@
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 
 "$plumbline" list | grep -qx "$config" || fail "list does not name $config"
+"$plumbline" list | grep -qx rgbd-inertial-vio || fail "list does not name the published system"
 "$plumbline" --help > /dev/null || fail "--help"
 "$plumbline" run --help | grep -q -- --trajectory || fail "run --help"
 
