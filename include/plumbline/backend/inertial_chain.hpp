@@ -145,6 +145,21 @@ class InertialChain {
     return sum;
   }
 
+  /// Mean squared whitened residual of rotation, position and velocity over all increments: about 1 where the readings
+  /// agree with the states as well as their noise allows, 0 without increments.
+  double disagreement(const Window& window) const {
+    double sum = 0;
+    int links = 0;
+    for (int j = 0; j < Slots; ++j) {
+      if (!linked(window, j) || !links_[j].weighted) continue;
+      const InertialResidual<S> inertial{links_[j].increment.increment(), gravity_};
+      sum += Vec<S, 15>(links_[j].L.lazyProduct(inertial.residual(state(window, links_[j].previous), state(window, j))))
+                 .squaredNorm();
+      ++links;
+    }
+    return links > 0 ? sum / (9 * links) : 0;  // those of the biases hardly contribute
+  }
+
   void step(int slot, const Vec<S, 9>& d) {
     Motion& motion = motions_[slot];
     motion.value += d;

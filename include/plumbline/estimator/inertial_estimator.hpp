@@ -440,6 +440,8 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     estimate_.keyframe = false;
     estimate_.tracked = this->tracked_count();
     estimate_.health = this->health_of_tracking();
+    if (backend_.inertial().disagreement(backend_.window()) > options_.fusion.max_disagreement)
+      estimate_.health = {HealthState::degraded, HealthReason::imu_disagrees};
     if (coverage_.missing() > 0.5) estimate_.health = {HealthState::degraded, HealthReason::no_imu_data};
     Mat<S, 6, 6> covariance;
     if (backend_.newest_covariance(covariance)) estimate_.covariance = covariance;

@@ -40,6 +40,7 @@ struct FusionOptions {
   double rotation_sigma = 5e-3;  ///< of the rotation since the last frame, beside the gyroscope's noise [rad]
   int frame_iterations = 4;      ///< of the window for a frame that is no keyframe
   double max_coasting_s = 3;     ///< on the IMU alone before the pose is called lost
+  double max_disagreement = 6;   ///< of readings and images, see InertialChain; about 2 on a vibrating drone
   int max_blind_frames = 3;      ///< in a row, before new landmarks are looked for
   double rest_motion_px = 0.5;   ///< landmarks that moved less since the last frame do not contradict a standstill
   double rest_hysteresis = 2;    ///< limits are this much wider for a body at rest
