@@ -25,7 +25,16 @@ euroc_truth=mav0/state_groundtruth_estimate0/data.csv
 within rgbd/points/window icl_office_kt0_3s groundtruth.txt se3 0.007 0
 within rgbd/points/window rendered_lowtex_rgbd groundtruth.txt se3 0.025 0
 within rgbd/points/window tum_fr1_rpy_first12s groundtruth.txt se3 0.04 0
+within rgbd/lines/window icl_office_kt0_3s groundtruth.txt se3 0.002 0
+within rgbd/lines/window rendered_lowtex_rgbd groundtruth.txt se3 0.015 0
+within rgbd/points+lines/window icl_office_kt0_3s groundtruth.txt se3 0.006 0
+within rgbd/points+lines/window rendered_lowtex_rgbd groundtruth.txt se3 0.015 0
+within rgbd/points+lines/window tum_fr1_rpy_first12s groundtruth.txt se3 0.02 0
 within rgbd-imu/points/window rendered_lowtex_rgbd groundtruth_body.csv posyaw 0.012 20
+within rgbd-imu/lines/window rendered_lowtex_rgbd groundtruth_body.csv posyaw 0.009 20
+within rgbd-imu/points+lines/window rendered_lowtex_rgbd groundtruth_body.csv posyaw 0.009 20
 within mono-imu/points/window rendered_office_mono "$euroc_truth" posyaw 0.01 90
-within mono-imu/points/window euroc_mh01_flight "$euroc_truth" posyaw 0.10 49
+within mono-imu/points/window euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
+within mono-imu/points+lines/window rendered_office_mono "$euroc_truth" posyaw 0.008 90
+within mono-imu/points+lines/window euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
 finish
