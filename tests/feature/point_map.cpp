@@ -224,7 +224,9 @@ TEST_CASE("point_map: only what may be of use again is kept") {
     for (auto& seen : landmarks[i].observations) seen.valid = true;
   }
   landmarks[1].misses = options.max_misses + 1;
-  landmarks[2].observations[1].valid = false;  // two keyframes are not enough
+  for (std::size_t slot = 1; slot < landmarks[2].observations.size(); ++slot) {
+    landmarks[2].observations[slot].valid = false;  // one keyframe ties nothing
+  }
   landmarks[3].located = false;
   const std::set<std::uint32_t> forgotten{landmarks[1].id, landmarks[2].id, landmarks[3].id};
   const std::size_t before = landmarks.size();
