@@ -157,6 +157,17 @@ TEST_CASE("sliding_window: the covariance of the newest pose is that of its erro
   REQUIRE(mean_later < 1.38);
 }
 
+TEST_CASE("sliding_window: the covariance does not depend on the damping of the last step") {
+  Run<double> run(6, 1);
+  run.add_keyframes(6);
+  const Mat<double, 6, 6> covariance = run.covariance();
+  LevenbergMarquardtOptions damped = run.options.solver;
+  damped.mu_initial = 1e3;
+  damped.max_iterations = 1;
+  run.backend->optimize(run.rig, SE3<double>(), *run.maps, damped);
+  REQUIRE((run.covariance() - covariance).norm() < 1e-3 * covariance.norm());
+}
+
 TEST_CASE("sliding_window: no measurement tells where the whole is, after whatever marginalizations") {
   // The prior of the first pose is wide and there is no damping to speak of, so that any other information shows.
   Run<double> run(3, 1, 0.1, 0.1, 1e-12);

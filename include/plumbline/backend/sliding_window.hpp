@@ -120,6 +120,9 @@ class WindowBackend {
     const LevenbergMarquardtSummary summary = levenberg_marquardt(problem, solver);
     views_.linearize(window_, problem.T_body_cam);
     for_each(features, [&](auto& map, auto& terms) { terms.finish(rig, map, window_, views_); });
+    // For the covariance: what damped the landmarks is no knowledge.
+    build_equations();
+    for_each(features, [&](auto& map, auto& terms) { terms.eliminate(map, S(solver.mu_min), equations_); });
     return summary;
   }
   LevenbergMarquardtSummary optimize(const Sensors& rig, FeatureSet& features) {
