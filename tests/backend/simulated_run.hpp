@@ -1,0 +1,341 @@
+#pragma once
+// Visual-inertial runs at the level of features, with exact truth: the backend is driven as an estimator drives it, the
+// images are replaced by what a camera on the way through a cloud of points and lines would measure.
+//
+// Every noise is that which the backend is told of: pixels, depths, IMU, biases at the start, place and heading of the
+// first keyframe. What comes out wrong is then the backend's own.                       docs/math/inertial_window.md
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <type_traits>
+#include <vector>
+
+#include "feature/seen_lines.hpp"
+#include "plumbline/backend/sliding_window.hpp"
+#include "plumbline/camera/pinhole.hpp"
+#include "plumbline/feature/features.hpp"
+#include "plumbline/feature/lines.hpp"
+#include "plumbline/feature/points.hpp"
+#include "plumbline/feature/view.hpp"
+#include "plumbline/geometry/line_depth.hpp"
+#include "plumbline/sensor/imu.hpp"
+#include "plumbline/sensor/mono.hpp"
+#include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/testing/gaussian.hpp"
+#include "plumbline/testing/rig.hpp"
+#include "plumbline/testing/simulated_imu.hpp"
+#include "plumbline/testing/simulated_points.hpp"
+#include "plumbline/testing/trajectory.hpp"
+
+namespace plumbline::test {
+
+using MonoImu = Rig<Mono<Pinhole<double>, 64 * 64>, Imu>;  // images are never used
+using RgbdImu = Rig<Rgbd<Pinhole<double>, 64 * 64>, Imu>;
+
+struct RunOptions {
+  double noise = 1;           ///< of points, IMU and first keyframe, as simulated and as claimed; biases stay
+  double sigma_first = 1e-3;  ///< of place [m] and heading [rad] of the first keyframe
+  int start_keyframes = 6;    ///< with which the inertial window begins
+  int frames_per_keyframe = 5;
+  int points = 1200, lines = 300;                         ///< in the world
+  std::size_t points_in_sight = 50, lines_in_sight = 15;  ///< are made up to by keyframes
+};
+
+/// Errors of one frame.
+struct FrameError {
+  double position = 0, rotation = 0;            ///< [m], [rad]
+  double nees_position = 0, nees_rotation = 0;  ///< chi-square of three degrees of freedom each
+};
+
+/// Segments in the world.
+struct SimulatedLines {
+  std::vector<Vec<double, 3>> p_world, q_world;
+
+  void scatter(int count, const Vec<double, 3>& half_size, std::uint64_t seed) {
+    Random random(seed);
+    for (int i = 0; i < count; ++i) {
+      const Vec<double, 3> d = random_vector(random, 1).normalized();
+      p_world.push_back(random_vector(random, 1).cwiseProduct(half_size));
+      q_world.push_back(p_world.back() + (0.5 + random.uniform()) * d);
+    }
+  }
+};
+
+template <class Sensors, int K, class... Kinds>
+class SimulatedRun {
+ public:
+  using S = typename Sensors::Scalar;
+  using Maps = FeatureMaps<typename Kinds::template Map<Sensors, K>...>;
+  using Backend = WindowBackend<Sensors, Maps, K>;
+
+  explicit SimulatedRun(std::uint64_t seed, const RunOptions& options = {})
+      : options_(options),
+        trajectory_(*testing::Trajectory::for_scene("room", seed)),
+        imu_(quality(options.noise), seed),
+        noise_(testing::stream_seed(seed, 20)) {
+    window_options_.sigma_first_position = window_options_.sigma_first_rotation = options.noise * options.sigma_first;
+    backend_ = std::make_unique<Backend>(window_options_);
+    points_.sigma_px *= options.noise;
+    points_.sigma_inverse_depth *= options.noise;
+    points_.scatter(options.points, {4.5, 4.5, 3.5}, testing::stream_seed(seed, 21));
+    lines_.scatter(options.lines, {4, 4, 3}, testing::stream_seed(seed, 22));
+    rig_.vision.camera = points_.camera;
+    rig_.imu.T_body_cam = testing::simulated_T_body_camera();
+    while (reading_.t < first_s) reading_ = imu_.next(trajectory_);
+    start();
+  }
+
+  /// The next frame, and its errors.
+  FrameError step() {
+    advance();
+    const NavState<S> x = since_frame_.increment().predict(state_, backend_->inertial().gravity());
+    if (temporary_slot_ >= 0) backend_->drop(*maps_, temporary_slot_);
+    temporary_slot_ = -1;
+    const bool keyframe = ++frames_ % options_.frames_per_keyframe == 0;
+    const int slot = backend_->insert(t_ns_, x, keyframe_slot_, since_keyframe_, false);
+    observe(slot, keyframe);
+    LevenbergMarquardtOptions solver = window_options_.solver;
+    if (!keyframe) solver.max_iterations = 4;
+    backend_->optimize(rig_, rig_.T_body_cam(), *maps_, solver);
+    state_ = backend_->state(slot);
+    locate();
+    const FrameError out = error();
+    if (keyframe) {
+      adopt_keyframe(slot);
+      if (backend_->window().full()) {
+        backend_->marginalize(rig_, *maps_, backend_->oldest());
+        ++marginalizations_;
+      }
+    } else {
+      temporary_slot_ = slot;
+    }
+    return out;
+  }
+
+  FrameError error() const {
+    const Vec<double, 6> d = minus(reading_.motion.T_world_body, state_.T_world_body.template cast<double>());
+    Mat<S, 6, 6> C;
+    const bool known = backend_->newest_covariance(C);
+    const auto nees = [&](int i) {
+      const Vec<double, 3> e = d.segment<3>(i);
+      const Mat<double, 3, 3> block = C.template block<3, 3>(i, i).template cast<double>();
+      return known ? e.dot(block.inverse() * e) : std::nan("");
+    };
+    return {d.tail<3>().norm(), d.head<3>().norm(), nees(3), nees(0)};
+  }
+
+  /// Information on the heading and position of the whole, in units of what the first keyframe's prior knew of it: that
+  /// of the newest pose along its motions N when the whole turns about the vertical through its start and moves,
+  ///   eigenvalues of sigma^2 N^T C^-1 N,  ascending.
+  /// Were C that of the prior alone, all four were one; all that is unknown between start and now makes them less, and
+  /// no measurement can make them more.
+  Vec<double, 4> information_on_the_whole() const {
+    const auto& window = backend_->window();
+    const SE3<double> T = window[window.newest()].pose.linearization_point().template cast<double>();
+    const Mat<double, 3, 3> R_body_world = T.R().transpose();
+    const Vec<double, 3> up = Vec<double, 3>::UnitZ();
+    Mat<double, 6, 4> N = Mat<double, 6, 4>::Zero();
+    N.col(0) << R_body_world * up, R_body_world * up.cross(Vec<double, 3>(T.p() - T_start_.p()));
+    N.bottomRightCorner<3, 3>() = R_body_world;
+    Mat<S, 6, 6> C;
+    if (!backend_->newest_covariance(C)) return Vec<double, 4>::Constant(std::nan(""));
+    const double sigma = window_options_.sigma_first_position;
+    const Mat<double, 4, 4> information = sigma * sigma * N.transpose() * C.template cast<double>().inverse() * N;
+    return Eigen::SelfAdjointEigenSolver<Mat<double, 4, 4>>(information, Eigen::EigenvaluesOnly).eigenvalues();
+  }
+
+  int marginalizations() const { return marginalizations_; }
+  const Backend& backend() const { return *backend_; }
+  const NavState<S>& state() const { return state_; }
+  const testing::SimulatedImu::Reading& truth() const { return reading_; }
+  Maps& maps() { return *maps_; }
+
+ private:
+  static constexpr double first_s = 2.5;  ///< the path has left its standstill
+  static constexpr int readings_per_frame = 10;
+
+  static testing::ImuQuality quality(double noise) {
+    testing::ImuQuality out;
+    out.noise.gyro_density *= noise;
+    out.noise.accel_density *= noise;
+    out.noise.gyro_walk *= noise;
+    out.noise.accel_walk *= noise;
+    const InertialOptions claimed;
+    out.gyro_bias_sigma = claimed.start_gyro_bias_sigma;
+    out.accel_bias_sigma = claimed.start_accel_bias_sigma;
+    return out;
+  }
+
+  SE3<double> T_world_cam() const { return reading_.motion.T_world_body * rig_.imu.T_body_cam; }
+
+  /// On to the next frame's time.
+  void advance() {
+    const ImuNoise noise = quality(options_.noise).noise;
+    since_frame_ = Preintegration<S>(noise, state_.bias_gyro, state_.bias_accel);
+    for (int i = 0; i < readings_per_frame; ++i) {
+      const testing::SimulatedImu::Reading next = imu_.next(trajectory_);
+      const ImuInterval<double> interval{next.t - reading_.t, reading_.gyro, next.gyro, reading_.accel, next.accel};
+      since_frame_.add(interval.template cast<S>());
+      reading_ = next;
+    }
+    since_keyframe_.append(since_frame_);
+    t_ns_ = TimeNs(reading_.t * 1e9);
+  }
+
+  void adopt_keyframe(int slot) {
+    keyframe_slot_ = slot;
+    since_keyframe_ = Preintegration<S>(quality(options_.noise).noise, state_.bias_gyro, state_.bias_accel);
+  }
+
+  /// The first keyframes as vision alone would have put them, and the inertial window over them.
+  void start() {
+    const SE3<double> T_first = reading_.motion.T_world_body;
+    const WindowOptions& w = window_options_;
+    // In the world: tilt, which is measured, and heading, which is not.
+    const Vec<double, 3> turn(0.005 * noise_(), 0.005 * noise_(), w.sigma_first_rotation * noise_());
+    T_start_ = SE3<double>(SO3<double>::exp(turn) * T_first.rotation(),
+                           T_first.p() + w.sigma_first_position * noise_.vector<3>());
+    std::vector<NavState<S>> states(static_cast<std::size_t>(K));
+    for (int k = 0; k < options_.start_keyframes; ++k) {
+      SE3<double> T = T_start_;
+      if (k > 0) {
+        for (int i = 0; i < options_.frames_per_keyframe; ++i) advance();
+        Vec<double, 6> off;
+        off << 0.002 * noise_.vector<3>(), 0.005 * noise_.vector<3>();
+        T = plus(T_start_ * T_first.inverse() * reading_.motion.T_world_body, off);
+      }
+      state_.T_world_body = T.template cast<S>();
+      const int slot = k == 0 ? backend_->start(t_ns_, state_.T_world_body)
+                              : backend_->insert(t_ns_, state_, keyframe_slot_, since_keyframe_, false);
+      states[std::size_t(slot)] = state_;
+      observe(slot, true);
+      locate();
+      adopt_keyframe(slot);
+    }
+    backend_->start_inertial([&](int slot) { return states[std::size_t(slot)]; });
+    backend_->guess_velocities();
+    LevenbergMarquardtOptions solver = w.solver;
+    solver.max_iterations *= 4;
+    backend_->optimize(rig_, rig_.T_body_cam(), *maps_, solver);
+    state_ = backend_->state(keyframe_slot_);
+    since_keyframe_ = Preintegration<S>(quality(options_.noise).noise, state_.bias_gyro, state_.bias_accel);
+  }
+
+  // ----------------------------------------------------------------------------------------------- observations
+
+  void observe(int slot, bool keyframe) {
+    maps_->for_each([&](auto& map) { observe_kind(map, slot, keyframe); });
+  }
+
+  /// Landmarks that have no depth, by this frame's view of them.
+  void locate() {
+    const View<Sensors> view{rig_, *pyramid_,         *pyramid_,
+                             {},   rig_.T_body_cam(), {rig_.vision.camera, points_.height, S(0), Vec<S, 3>::Zero()}};
+    maps_->for_each([&](auto& map) {
+      map.triangulate(view, backend_->window(), state_.T_world_body);
+      map.prune();
+    });
+  }
+
+  /// All landmarks of the map, then new ones in a keyframe. Ids are indices into the world.
+  template <class Map>
+  void observe_kind(Map& map, int slot, bool keyframe) {
+    constexpr bool is_points = requires(typename Map::Landmark landmark) { landmark.inverse_range; };
+    const std::size_t in_world = is_points ? points_.p_world.size() : lines_.p_world.size();
+    std::vector<bool> known(in_world);
+    std::size_t in_sight = 0;
+    for (auto& landmark : map.landmarks()) {
+      known[landmark.id] = true;
+      landmark.current = measure(landmark.current, landmark.id, true);
+      in_sight += landmark.current.valid;
+      landmark.misses = landmark.current.valid ? 0 : landmark.misses + 1;
+    }
+    map.record(slot);
+    if (!keyframe) return;
+    const std::size_t wanted = is_points ? options_.points_in_sight : options_.lines_in_sight;
+    for (std::size_t id = 0; id < in_world && in_sight < wanted && !map.landmarks().full(); ++id) {
+      if (known[id]) continue;
+      typename Map::Landmark landmark;
+      landmark.current = measure(landmark.current, std::uint32_t(id), false);
+      if (!landmark.current.valid) continue;
+      landmark.id = std::uint32_t(id);
+      landmark.anchor = slot;
+      landmark.observations[std::size_t(slot)] = landmark.current;
+      begin(landmark);
+      map.landmarks().push_back(landmark);
+      ++in_sight;
+    }
+  }
+
+  /// The first argument says of which kind. A point's pixel in its anchor has no noise, it defines the point.
+  PointObservation<S> measure(const PointObservation<S>&, std::uint32_t id, bool noisy) {
+    const testing::SeenPoint seen = points_.see(T_world_cam(), id);
+    PointObservation<S> out;
+    out.valid = seen.valid;
+    if (!out.valid) return out;
+    Vec<double, 2> uv = seen.uv;
+    if (noisy) uv += points_.sigma_px * noise_.vector<2>();
+    out.pixel = out.uv = uv.cast<float>();
+    out.L = Mat<float, 2, 2>::Identity() / float(points_.sigma_px);
+    if constexpr (Sensors::has_depth) {
+      out.depth = {true, S(1 / seen.p_cam.z() + points_.sigma_inverse_depth * noise_()),
+                   S(points_.sigma_inverse_depth)};
+    }
+    return out;
+  }
+  void begin(PointLandmark<S, K>& landmark) const {
+    landmark.bearing = rig_.vision.camera.unproject(landmark.current.uv.template cast<S>()).bearing;
+    if (!landmark.current.depth.valid) return;
+    landmark.located = true;
+    landmark.inverse_range = landmark.current.depth.value * landmark.bearing.z();
+    landmark.sigma_inverse_range = landmark.current.depth.sigma * landmark.bearing.z();
+  }
+
+  SegmentObservation<S> measure(const SegmentObservation<S>&, std::uint32_t id, bool) {
+    const SE3<double> T_cam_world = T_world_cam().inverse();
+    const Vec<double, 3> p = T_cam_world * lines_.p_world[id], q = T_cam_world * lines_.q_world[id];
+    if (!in_image(p) || !in_image(q)) return {};
+    const auto& camera = points_.camera;
+    if (!((camera.project(p).uv - camera.project(q).uv).norm() > 60)) return {};
+    SegmentObservation<S> out = observe_segment<S>(camera, p, q, 1, noise_);
+    if constexpr (!Sensors::has_depth) out.has_depth = false;
+    return out;
+  }
+  void begin(LineLandmark<S, K>& landmark) const {
+    const SegmentObservation<S>& seen = landmark.current;
+    if (!seen.has_depth) return;
+    landmark.line = line_from_depth(seen.depth.m_start, seen.depth.m_end, seen.depth.inverse_depth_measured);
+    landmark.set_extent(SE3<S>(), seen.pixels.bearing_start, seen.pixels.bearing_end);
+    landmark.located = true;
+  }
+
+  bool in_image(const Vec<double, 3>& p) const {
+    if (!(p.z() > points_.z_min && p.z() < points_.z_max)) return false;
+    const Vec<double, 2> uv = points_.camera.project(p).uv;
+    return uv.x() >= 0 && uv.y() >= 0 && uv.x() <= points_.width - 1 && uv.y() <= points_.height - 1;
+  }
+
+  RunOptions options_;
+  WindowOptions window_options_;
+  testing::Trajectory trajectory_;
+  testing::SimulatedImu imu_;
+  testing::Gaussian noise_;
+  testing::SimulatedPoints points_;
+  SimulatedLines lines_;
+  Sensors rig_{};
+  std::unique_ptr<Maps> maps_ = std::make_unique<Maps>(typename Maps::Options{});
+  std::unique_ptr<Backend> backend_;
+  std::unique_ptr<RigPyramid<Sensors>> pyramid_ = std::make_unique<RigPyramid<Sensors>>();
+
+  testing::SimulatedImu::Reading reading_{-1, {}, {}, {}, {}, {}};  ///< the latest, at the time of the frame
+  TimeNs t_ns_ = 0;
+  SE3<double> T_start_;  ///< what the first keyframe is believed to be
+  NavState<S> state_;    ///< of the latest frame
+  Preintegration<S> since_frame_, since_keyframe_;
+  int keyframe_slot_ = 0, temporary_slot_ = -1, frames_ = 0, marginalizations_ = 0;
+};
+
+}  // namespace plumbline::test
