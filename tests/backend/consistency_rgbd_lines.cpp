@@ -1,0 +1,14 @@
+// An RGB-D camera and an IMU, points and lines.                                            docs/math/inertial_window.md
+#include "backend/consistency.hpp"
+
+using namespace plumbline;
+
+using Run = test::SimulatedRun<test::RgbdImu, 10, Points<90>, Lines<30>>;
+
+TEST_CASE("sliding_window: rgbd-imu/points+lines: errors are those that the covariance tells of") {
+  test::require_consistent<Run>();
+}
+
+TEST_CASE("sliding_window: rgbd-imu/points+lines: position and heading of the whole stay unknown") {
+  test::require_whole_unobservable<Run>();
+}
