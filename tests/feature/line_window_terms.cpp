@@ -28,6 +28,7 @@ struct Scene : SeenLines<S> {
   static constexpr int pose_dim = 6 * Base::slots;
   std::unique_ptr<Terms> terms = std::make_unique<Terms>();
   WindowViews<S, Base::slots> views;
+  typename Terms::Pairs pairs;
 
   /// Keyframes and lines off their true places, two keyframes with fixed linearization points.
   explicit Scene(int count, double disturbance = 1) : Base(count) {
@@ -47,9 +48,20 @@ struct Scene : SeenLines<S> {
     }
     update();
   }
-  void update() { views.linearize(Base::window, Base::T_body_cam.template cast<S>()); }
+  void update() {
+    views.update(Base::window, Base::T_body_cam.template cast<S>());
+    views.set_transports(Base::window, pairs);
+  }
 
-  double linearize() { return terms->linearize(Base::rig, *Base::map, Base::window, views); }
+  double linearize() {
+    pairs.reset();
+    return terms->linearize(Base::rig, *Base::map, Base::window, views, pairs);
+  }
+  /// All that the lines add to the equations.
+  bool eliminate(S mu, Equations& equations) {
+    pairs.add_to(equations);
+    return terms->eliminate(*Base::map, mu, pairs, equations);
+  }
   double cost() const { return terms->cost(Base::rig, *Base::map, Base::window, views); }
 
   /// Unwhitened errors of one observation.
@@ -149,7 +161,7 @@ TEMPLATE_TEST_CASE("line_window_terms: cost and steps are those of the dense pro
       equations.add(k, Mat<double, 6, 6>(10 * Mat<double, 6, 6>::Identity()), Vec<double, 6>(Vec<double, 6>::Zero()),
                     1.0);
     }
-    REQUIRE(scene.terms->eliminate(*scene.map, S(mu), equations));
+    REQUIRE(scene.eliminate(S(mu), equations));
     typename Scene<S>::Equations::Vector d;
     REQUIRE(equations.solve(0, d));
     const double predicted = equations.predicted_decrease(0, d) + scene.terms->solve(*scene.map, d);
@@ -192,7 +204,7 @@ TEST_CASE("line_window_terms: lines converge to the truth between true poses") {
     scene.linearize();
     Scene<double>::Equations equations;
     equations.reset(scene.slots);
-    REQUIRE(scene.terms->eliminate(*scene.map, 0, equations));
+    REQUIRE(scene.eliminate(0, equations));
     scene.terms->solve(*scene.map, Eigen::VectorXd::Zero(scene.pose_dim).eval());
     scene.terms->step(*scene.map);
   }
@@ -249,7 +261,7 @@ TEST_CASE("line_window_terms: views that leave a line open do not stop the windo
   scene.linearize();
   Scene<double>::Equations equations;
   equations.reset(scene.slots);
-  REQUIRE(scene.terms->eliminate(*scene.map, 0, equations));
+  REQUIRE(scene.eliminate(0, equations));
   REQUIRE(equations.H().allFinite());
 }
 
@@ -269,7 +281,7 @@ TEST_CASE("line_window_terms: what leaves with a keyframe") {
     ++tied;
     REQUIRE(rows.rows() == 8);  // the anchor's and its own
     Eigen::Matrix<double, 30, 4 + 30 + 1> work;
-    const int rank = rows.reduced_rows(work);
+    const int rank = rows.reduced_rows(work, scene.pairs);
     REQUIRE(rank == 4);
     const Eigen::MatrixXd J = work.block(rank, 4 + 6, rows.rows() - rank, 12);
     information += J.transpose() * J;

@@ -10,6 +10,7 @@
 
 #include "catch.hpp"
 #include "plumbline/feature/point_map.hpp"
+#include "plumbline/residual/inverse_depth_point.hpp"
 #include "plumbline/sensor/rgbd.hpp"
 #include "plumbline/solver/bounded_matrix.hpp"
 #include "plumbline/testing/simulated_points.hpp"
@@ -62,6 +63,7 @@ struct Scene {
   Map map{{}};
   typename Map::Window window;
   WindowViews<S, slots> views;
+  typename Terms::Pairs pairs;
   std::unique_ptr<Terms> terms = std::make_unique<Terms>();
 
   /// Four keyframes off their true poses, two of them with fixed linearization points, and all kinds of landmarks.
@@ -89,7 +91,20 @@ struct Scene {
     map.landmarks()[4].observations[1].L << 2.0f, 0.7f, 0.0f, 0.3f;
     map.landmarks()[5].located = false;
     for (int k = 1; k < used; ++k) map.landmarks()[6].observations[std::size_t(k)].valid = false;
-    views.linearize(window, T_body_cam.template cast<S>());
+    linearize_views();
+  }
+  void linearize_views() {
+    views.update(window, T_body_cam.template cast<S>());
+    views.set_transports(window, pairs);
+  }
+  double linearize() {
+    pairs.reset();
+    return terms->linearize(rig, map, window, views, pairs);
+  }
+  /// All that the points add to the equations.
+  bool eliminate(S mu, Equations& equations) {
+    pairs.add_to(equations);
+    return terms->eliminate(map, mu, pairs, equations);
   }
 
   bool takes_part(std::size_t i) const { return i != 5 && i != 6; }
@@ -158,12 +173,11 @@ TEMPLATE_TEST_CASE("point_window_terms: the reduced system is that of the dense 
   using S = TestType;
   Scene<S> scene;
   REQUIRE(scene.map.landmarks().size() == 22);
-  REQUIRE(scene.terms->linearize(scene.rig, scene.map, scene.window, scene.views) ==
-          Approx(scene.reference_cost()).epsilon(tolerance<S>));
+  REQUIRE(scene.linearize() == Approx(scene.reference_cost()).epsilon(tolerance<S>));
   for (const double mu : {1e-4, 1.0}) {
     typename Scene<S>::Equations equations;
     equations.reset(slots);
-    REQUIRE(scene.terms->eliminate(scene.map, S(mu), equations));
+    REQUIRE(scene.eliminate(S(mu), equations));
     Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(pose_dim, pose_dim + 1);
     for (std::size_t i = 0; i < scene.map.landmarks().size(); ++i) {
       if (!scene.takes_part(i)) continue;
@@ -182,14 +196,14 @@ TEMPLATE_TEST_CASE("point_window_terms: steps and predicted decrease are those o
                    double) {
   using S = TestType;
   Scene<S> scene;
-  const double mu = 0.01, cost = scene.terms->linearize(scene.rig, scene.map, scene.window, scene.views);
+  const double mu = 0.01, cost = scene.linearize();
   typename Scene<S>::Equations equations;
   equations.reset(slots);
   for (int k = 0; k < slots; ++k) {
     equations.add(k, Mat<double, 6, 6>(10 * Mat<double, 6, 6>::Identity()), Vec<double, 6>(Vec<double, 6>::Zero()),
                   1.0);
   }
-  REQUIRE(scene.terms->eliminate(scene.map, S(mu), equations));
+  REQUIRE(scene.eliminate(S(mu), equations));
   typename Scene<S>::Equations::Vector d;
   REQUIRE(equations.solve(mu, d));
   const double predicted = equations.predicted_decrease(mu, d) + scene.terms->solve(scene.map, d);
@@ -235,10 +249,10 @@ TEMPLATE_TEST_CASE("point_window_terms: inverse ranges stay where a point can be
     seen.L.setZero();
     seen.depth = {true, S(-1), S(10)};
   }
-  scene.terms->linearize(scene.rig, scene.map, scene.window, scene.views);
+  scene.linearize();
   typename Scene<S>::Equations equations;
   equations.reset(slots);
-  REQUIRE(scene.terms->eliminate(scene.map, S(0), equations));
+  REQUIRE(scene.eliminate(S(0), equations));
   scene.terms->solve(scene.map, Eigen::VectorXd::Zero(pose_dim));
   scene.terms->step(scene.map);
   REQUIRE(landmark.inverse_range == Scene<S>::Terms::lambda_min);
@@ -255,7 +269,7 @@ TEMPLATE_TEST_CASE("point_window_terms: what leaves with a keyframe, against the
   int anchored = 0, others = 0;
   scene.terms->for_each_leaving(leaving, scene.rig, scene.map, scene.window, scene.views, [&](const auto& landmark) {
     work.resize(landmark.rows(), pose_dim + 2);
-    const int rank = landmark.reduced_rows(work, 6), n = landmark.rows() - rank;
+    const int rank = landmark.reduced_rows(work, scene.pairs, 6), n = landmark.rows() - rank;
     const Eigen::MatrixXd rows = work.block(rank, 1, n, pose_dim + 1);
     found += rows.leftCols(pose_dim).transpose() * rows;
   });
@@ -293,13 +307,13 @@ TEMPLATE_TEST_CASE("point_window_terms: a state that is no number never costs le
   {
     Scene<S> scene;
     scene.map.landmarks()[1].observations[2].uv.x() = float(not_a_number);
-    REQUIRE(std::isnan(scene.terms->linearize(scene.rig, scene.map, scene.window, scene.views)));
+    REQUIRE(std::isnan(scene.linearize()));
     REQUIRE(std::isnan(scene.terms->cost(scene.rig, scene.map, scene.window, scene.views)));
-    REQUIRE_FALSE(scene.terms->eliminate(scene.map, S(1e-4), equations));
+    REQUIRE_FALSE(scene.eliminate(S(1e-4), equations));
     scene.terms->finish(scene.rig, scene.map, scene.window, scene.views);  // drops it, and all is well again
     REQUIRE_FALSE(scene.map.landmarks()[1].observations[2].valid);
-    REQUIRE(std::isfinite(scene.terms->linearize(scene.rig, scene.map, scene.window, scene.views)));
-    REQUIRE(scene.terms->eliminate(scene.map, S(1e-4), equations));
+    REQUIRE(std::isfinite(scene.linearize()));
+    REQUIRE(scene.eliminate(S(1e-4), equations));
   }
   {
     Scene<S> scene;
@@ -309,7 +323,7 @@ TEMPLATE_TEST_CASE("point_window_terms: a state that is no number never costs le
   {
     Scene<S> scene;
     scene.window.pose(2).add(Vec<S, 6>::Constant(S(not_a_number)));
-    scene.views.linearize(scene.window, scene.T_body_cam.template cast<S>());
+    scene.linearize_views();
     REQUIRE(!(scene.terms->cost(scene.rig, scene.map, scene.window, scene.views) < Scene<S>().reference_cost()));
   }
 }

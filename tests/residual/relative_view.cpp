@@ -37,6 +37,12 @@ TEMPLATE_TEST_CASE("relative_view: Jacobians", "", float, double) {
     REQUIRE(jacobian_error(
                 point.J_target, [&](const SE3<double>& T) { return at(s.T_world_anchor, T, s.lambda); },
                 s.T_world_target) < tolerance);
+    const Mat<double, 6, 6> M = (s.T_world_target.inverse() * s.T_world_anchor).adjoint();
+    REQUIRE((point.J_anchor.template cast<double>() + point.J_target.template cast<double>() * M).norm() <
+            tolerance * M.norm());  // (4a)
+    const Mat<S, 2, 3> by_P = (Mat<S, 2, 3>() << 1, -2, 3, 0.5, 4, -1).finished();
+    REQUIRE((view.template target_jacobian<2>(by_P, point.P, S(s.lambda)) - by_P * point.J_target).norm() <
+            tolerance * point.J_target.norm());
     REQUIRE(jacobian_error(
                 view.t_target_anchor(),
                 [&](const Vec<double, 1>& x) { return at(s.T_world_anchor, s.T_world_target, x(0)); },

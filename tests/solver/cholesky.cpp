@@ -44,3 +44,32 @@ TEMPLATE_TEST_CASE("cholesky: refuses what is not positive definite or not finit
   A(2, 2) = S(0);
   REQUIRE_FALSE(factor.compute(A, Vec<S, 3>::Zero()));
 }
+
+TEMPLATE_TEST_CASE("cholesky: rows that start late, in another order", "", float, double) {
+  using S = TestType;
+  constexpr int dim = 22;
+  Random random(3);
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3 * dim, dim);  // a chain, closed by the last three parameters
+  for (int k = 0; k < dim; ++k) {
+    for (int n = 0; n < 3; ++n) {
+      J(3 * k + n, k) = 2 + random.uniform();
+      if (k > 0) J(3 * k + n, k - 1) = random.uniform();
+      J(3 * k + n, dim - 1 - n) += random.uniform();
+    }
+  }
+  const Eigen::MatrixXd A = J.transpose() * J;
+  const Eigen::VectorXd b = random_matrix(random, dim, 1), expected = A.inverse() * b;
+  const auto shuffled = [](int k) { return (5 * k + 2) % dim; };
+  Eigen::MatrixXd stored(dim, dim);  // such that the order of the factor is that of the chain
+  const Eigen::VectorXd unit = Eigen::VectorXd::Unit(dim, 9);
+  for (int i = 0; i < dim; ++i) {
+    for (int j = 0; j < dim; ++j) stored(shuffled(i), shuffled(j)) = A(i, j);
+  }
+  Cholesky<S, 30> factor;
+  REQUIRE(factor.compute(stored.cast<S>(), Vec<S, dim>::Zero(), shuffled));
+  Vec<S, dim> solution = b.cast<S>(), forward = unit.cast<S>();
+  factor.solve_in_place(solution);
+  REQUIRE((solution.template cast<double>() - expected).norm() < (sizeof(S) == 4 ? 1e-4 : 1e-12) * expected.norm());
+  factor.forward_in_place(forward, 9);
+  REQUIRE(double(forward.squaredNorm()) == Approx(A.inverse()(9, 9)).epsilon(sizeof(S) == 4 ? 1e-4 : 1e-12));
+}

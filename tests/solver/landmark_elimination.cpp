@@ -75,43 +75,53 @@ Eigen::MatrixXd columns_of_condition(Random& random, int rows, int cols, double 
   return rounded(left.householderQ() * Eigen::MatrixXd::Identity(rows, cols) * out);
 }
 
-/// Landmarks seen from random pairs of poses. Block columns of the poses are NormalDim wide, of which the landmarks see
-/// the leading six. `condition` is that of a
-/// landmark's columns.
+/// Landmarks seen from random poses, all but one of them anchored in a pose of their own. Block columns of the poses
+/// are NormalDim wide, of which the landmarks see the leading six. `condition` is that of a landmark's columns.
 template <class S, int L, class Acc = double, int NormalDim = pose_dim>
 struct Problem {
   static constexpr int dim = NormalDim * poses;
   using Normal = NormalEquations<double, NormalDim, poses>;
   using Elimination = LandmarkElimination<S, L, pose_dim, poses, 64, Acc>;
   std::vector<Elimination> eliminations;
+  typename Elimination::Pairs pairs;
   Dense dense;
 
   explicit Problem(std::uint64_t seed, int count = landmarks, double condition = 1.0)
       : eliminations(count), dense(count * L, dim) {
     Random random(seed);
+    for (int a = 0; a < poses; ++a) {
+      for (int j = 0; j < poses; ++j) {
+        if (a != j) pairs.set_transport(a, j, random_matrix<Acc, pose_dim, pose_dim>(random));
+      }
+    }
+    pairs.reset();
     for (int l = 0; l < count; ++l) {
       const Eigen::MatrixXd J_l = columns_of_condition(random, 29, L, condition);
-      for (int o = 0; o < 8; ++o) {
-        const int i = int(random.below(poses));
-        add<2>(random, J_l, l, i, (i + 1 + int(random.below(poses - 1))) % poses);
-      }
-      add<7>(random, J_l, l, 2, -1);  // more rows than a group holds
-      add<5>(random, J_l, l, 4, 0);
-      add<1>(random, J_l, l, -1, -1);
+      const int anchor = l == 1 ? Elimination::no_anchor : l % poses;
+      const auto other = [&] { return (anchor + 1 + int(random.below(poses - 1))) % poses; };
+      eliminations[l].reset(anchor);
+      for (int o = 0; o < 8; ++o) add<2>(random, J_l, l, anchor, other());
+      add<7>(random, J_l, l, anchor, other());  // more rows than a group holds
+      add<5>(random, J_l, l, anchor, other());
+      add<1>(random, J_l, l, anchor, -1);
+      eliminations[l].add_to(pairs);
     }
   }
 
   template <int R>
-  void add(Random& random, const Eigen::MatrixXd& all_J_l, int l, int i, int j) {
+  void add(Random& random, const Eigen::MatrixXd& all_J_l, int l, int anchor, int j) {
     const Mat<S, R, L> J_l = all_J_l.middleRows<R>(eliminations[l].rows()).template cast<S>();
-    const Mat<S, R, pose_dim> J_i = random_matrix<S, R, pose_dim>(random), J_j = random_matrix<S, R, pose_dim>(random);
+    const Mat<S, R, pose_dim> J = random_matrix<S, R, pose_dim>(random);
     const Vec<S, R> r = random_matrix<S, R, 1>(random);
-    const bool kept = i < 0   ? eliminations[l].add(J_l, r)
-                      : j < 0 ? eliminations[l].add(i, J_i, J_l, r)
-                              : eliminations[l].add(i, J_i, j, J_j, J_l, r);
-    REQUIRE(kept);
-    dense.add(J_l.template cast<double>(), l * L, J_i.template cast<double>(), i * NormalDim,
-              J_j.template cast<double>(), j * NormalDim, r.template cast<double>());
+    REQUIRE((j < 0 ? eliminations[l].add(J_l, r) : eliminations[l].add(j, J, J_l, r)));
+    Eigen::MatrixXd J_anchor;
+    if (anchor >= 0 && j >= 0) {
+      J_anchor = -J.template cast<double>() * pairs.transport(anchor, j).template cast<double>();
+    } else {
+      anchor = -1;
+    }
+    dense.add(J_l.template cast<double>(), l * L, J_anchor, anchor * NormalDim, J.template cast<double>(),
+              j * NormalDim, r.template cast<double>());
   }
 };
 
@@ -125,9 +135,10 @@ void check() {
   const auto normal = std::make_unique<typename P::Normal>();
   for (const double mu : {0.0, 1e-4, 0.1, 10.0}) {
     normal->reset(poses);
+    problem.pairs.add_to(*normal);
     for (auto& landmark : problem.eliminations) {
-      REQUIRE(landmark.eliminate(S(mu)));
-      landmark.add_to(*normal);
+      REQUIRE(landmark.eliminate(S(mu), problem.pairs));
+      landmark.subtract_from(*normal);
     }
     if (mu == 0) {
       REQUIRE(relative_error(symmetric(normal->H()), dense.reduced_H()) < 1e-13);
@@ -168,8 +179,9 @@ TEST_CASE("landmark_elimination: float, landmark block of condition 1e4") {
     Problem<float, 4, float> problem(seed, 1, 1e4);
     NormalEquations<float, 6, poses> normal;
     normal.reset(poses);
-    REQUIRE(problem.eliminations[0].eliminate(0.0f));
-    problem.eliminations[0].add_to(normal);
+    REQUIRE(problem.eliminations[0].eliminate(0.0f, problem.pairs));
+    problem.pairs.add_to(normal);
+    problem.eliminations[0].subtract_from(normal);
     const Eigen::MatrixXd expected = problem.dense.reduced_H();
     const double qr = relative_error(symmetric(normal.H()), expected);
     const Eigen::MatrixXf J = problem.dense.J.cast<float>(), H = J.transpose() * J;
@@ -187,7 +199,7 @@ TEST_CASE("landmark_elimination: rows for marginalization are the full complemen
   Problem<float, 4, float> problem(8, 1);
   auto& landmark = problem.eliminations[0];
   Eigen::MatrixXd work = Eigen::MatrixXd::Constant(64, 4 + problem.dim + 1, 7.0);
-  const int rank = landmark.reduced_rows(work);
+  const int rank = landmark.reduced_rows(work, problem.pairs);
   REQUIRE(rank == 4);
   const Eigen::MatrixXd rows = work.block(rank, 4, landmark.rows() - rank, problem.dim + 1),
                         expected = problem.dense.reduced();
@@ -197,38 +209,42 @@ TEST_CASE("landmark_elimination: rows for marginalization are the full complemen
 TEST_CASE("landmark_elimination: an undetermined landmark") {
   Random random(9);
   LandmarkElimination<double, 3, 6, 4, 32> landmark;
-  REQUIRE_FALSE(landmark.eliminate(0));  // no rows
+  const RelativeEquations<double, 6, 4> pairs{};
+  REQUIRE_FALSE(landmark.eliminate(0, pairs));  // no rows
   Mat<double, 2, 3> J_l = random_matrix<double, 2, 3>(random);
   J_l.col(2).setZero();
   const Mat<double, 2, 6> J_p = random_matrix<double, 2, 6>(random);
   const Vec<double, 2> r = random_matrix<double, 2, 1>(random);
   for (int i = 0; i < 4; ++i) REQUIRE(landmark.add(i, J_p, J_l, r));
-  REQUIRE_FALSE(landmark.eliminate(0));
-  REQUIRE(landmark.eliminate(1e-4));
+  Mat<double, 3, 3> covariance;
+  REQUIRE_FALSE(landmark.covariance(covariance));
+  REQUIRE_FALSE(landmark.eliminate(0, pairs));
+  REQUIRE(landmark.eliminate(1e-4, pairs));
   REQUIRE(landmark.back_substitute(Eigen::VectorXd::Zero(24)).allFinite());
   Eigen::MatrixXd work(8, 3 + 24 + 1);
-  REQUIRE(landmark.reduced_rows(work) == 2);
+  REQUIRE(landmark.reduced_rows(work, pairs) == 2);
 }
 
 TEST_CASE("landmark_elimination: refuses what is not finite, and what is too much") {
   const Vec<float, 2> ones = Vec<float, 2>::Ones();
   const Mat<float, 2, 6> J = Mat<float, 2, 6>::Ones();
+  const RelativeEquations<double, 6, 4> pairs{};
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     LandmarkElimination<float, 1, 6, 4, 8> in_J_l, in_J_p, in_r;
     for (auto* landmark : {&in_J_l, &in_J_p, &in_r}) {
       REQUIRE(landmark->add(1, J, ones, ones));
-      REQUIRE(landmark->eliminate(0));
+      REQUIRE(landmark->eliminate(0, pairs));
     }
     REQUIRE(in_J_l.add(1, J, Vec<float, 2>(1, bad), ones));
     REQUIRE(in_J_p.add(1, Mat<float, 2, 6>(bad * J), ones, ones));
     REQUIRE(in_r.add(1, J, ones, Vec<float, 2>(bad, 1)));
     for (auto* landmark : {&in_J_l, &in_J_p, &in_r}) {
-      REQUIRE_FALSE(landmark->eliminate(0));
-      REQUIRE_FALSE(landmark->eliminate(1));
+      REQUIRE_FALSE(landmark->eliminate(0, pairs));
+      REQUIRE_FALSE(landmark->eliminate(1, pairs));
     }
   }
   LandmarkElimination<float, 1, 6, 4, 8> full;
-  for (int k = 0; k < 3; ++k) REQUIRE(full.add(0, J, 3, J, ones, ones));
+  for (int k = 0; k < 3; ++k) REQUIRE(full.add(3, J, ones, ones));
   REQUIRE_FALSE(
       full.add(1, Mat<float, 3, 6>(Mat<float, 3, 6>::Ones()), Vec<float, 3>(1, 1, 1), Vec<float, 3>(1, 1, 1)));
   REQUIRE(full.rows() == 6);
@@ -243,10 +259,7 @@ TEST_CASE("landmark_elimination: covariance of the landmark, the poses given") {
   LandmarkElimination<double, 4, pose_dim, poses, 12> rows;
   const Mat<double, 12, 4> J = random_matrix<double, 12, 4>(random);
   rows.add<12>(J, Vec<double, 12>::Zero());
-  for (const double mu : {0.0, 0.1}) {
-    REQUIRE(rows.eliminate(mu));
-    Mat<double, 4, 4> information = J.transpose() * J;
-    information.diagonal() *= 1 + mu;
-    REQUIRE((rows.landmark_covariance() * information - Mat<double, 4, 4>::Identity()).norm() < 1e-12);
-  }
+  Mat<double, 4, 4> covariance;
+  REQUIRE(rows.covariance(covariance));
+  REQUIRE((covariance * J.transpose() * J - Mat<double, 4, 4>::Identity()).norm() < 1e-12);
 }

@@ -73,6 +73,7 @@ struct Problem {
   Huber<double> loss{huber};
   NormalEquations<double, 6, poses> normal;
   std::vector<LandmarkElimination<S, 3, 6, poses, 3 * poses>> landmarks{points};
+  RelativeEquations<double, 6, poses> pairs;
 
   static void jacobians(const SE3<double>& pose, const Vec<double, 3>& point, Mat<double, 3, 6>& J_pose,
                         Mat<double, 3, 3>& J_point) {
@@ -100,15 +101,18 @@ struct Problem {
       landmarks[o.point].add(o.pose, Mat<S, 3, 6>((w * J_pose).cast<S>()), Mat<S, 3, 3>((w * J_point).cast<S>()),
                              Vec<S, 3>((w * r).cast<S>()));
     }
+    pairs.reset();
+    for (const auto& landmark : landmarks) landmark.add_to(pairs);
     return cost(state);
   }
   bool solve(double mu, double& predicted_decrease) {
     normal.reset(poses);
     normal.add(0, Mat<double, 6, 6>(minus_jacobian(state.T[0], state.T_prior) / sigma_prior),
                Vec<double, 6>(minus(state.T[0], state.T_prior) / sigma_prior), 1.0);
+    pairs.add_to(normal);
     for (auto& landmark : landmarks) {
-      if (!landmark.eliminate(S(mu))) return false;
-      landmark.add_to(normal);
+      if (!landmark.eliminate(S(mu), pairs)) return false;
+      landmark.subtract_from(normal);
     }
     NormalEquations<double, 6, poses>::Vector d;
     if (!normal.solve(mu, d)) return false;

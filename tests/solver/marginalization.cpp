@@ -184,7 +184,7 @@ TEST_CASE("marginalization: the prior does not observe the gauge") {
     }
     const int dim = marginalizer.dim();
     Eigen::MatrixXd work(2 * poses, 2 + dim + 1);
-    const int rank = landmark.reduced_rows(work), n = landmark.rows() - rank;
+    const int rank = landmark.reduced_rows(work, RelativeEquations<double, 3, poses>()), n = landmark.rows() - rank;
     marginalizer.add_rows(work.block(rank, 2, n, dim), work.col(2 + dim).segment(rank, n));
   };
   auto marginalizer = std::make_unique<Marginalizer<3 * poses, 16>>();
@@ -206,4 +206,18 @@ TEST_CASE("marginalization: the prior does not observe the gauge") {
   for (int l = 15; l < points; ++l) reduced(l, 1, 5, *marginalizer);
   REQUIRE(marginalizer->marginalize(0, 3, prior));
   REQUIRE(check(N.bottomRows(3 * (poses - 2))) == 9);  // all four, less the gauge
+}
+
+TEST_CASE("marginalization: information of a prior") {
+  Random random(12);
+  for (const bool triangular : {false, true}) {
+    Prior<9> prior;
+    Eigen::MatrixXd J0 = random_matrix(random, 7, 9);
+    if (triangular) J0.triangularView<Eigen::StrictlyLower>().setZero();
+    J0.col(4).setZero();
+    prior.J0 = J0;
+    Eigen::MatrixXd H = Eigen::MatrixXd::Zero(9, 9);
+    prior.information(H);
+    REQUIRE(relative_error(symmetric(H), J0.transpose() * J0) < 1e-14);
+  }
 }

@@ -23,40 +23,52 @@ struct Window {
   using Normal = NormalEquations<double, block_dim, blocks>;
   Normal normal;
   LandmarkElimination<S, L, 6, blocks, 40> landmark;
+  RelativeEquations<double, 6, blocks> pairs;
   Marginalizer<dim, 32> marginalizer;
   Prior<dim> prior, copy;
+  BoundedMatrix<double, dim, dim> prior_H;
   BoundedMatrix<double, 40, L + dim + 1> work;
   typename Normal::Vector d, e;
   Mat<double, block_dim, block_dim> covariance;
   bool ok = true;
 
+  Window() {
+    prior_H.resize(dim, dim);
+    prior_H.setZero();
+  }
+
   double linearize() {
-    normal.reset(blocks);
-    landmark.reset();
+    if (prior.empty()) {
+      normal.reset(blocks);
+    } else {
+      prior.information(prior_H);
+      normal.reset(blocks, prior_H);
+      e.setConstant(dim - block_dim, 0.1);
+      normal.add_cost(prior.residual(e).squaredNorm());
+    }
+    landmark.reset(0);
+    pairs.reset();
     for (int k = 1; k < blocks; ++k) {
-      Mat<S, 3, 6> J_i, J_j;
+      Mat<S, 3, 6> J;
       Mat<S, 3, L> J_l;
-      for (int c = 0; c < 18; ++c) J_i.data()[c] = S(c % 7) - S(k), J_j.data()[c] = S(c % 5) + S(k % 3);
+      for (int c = 0; c < 18; ++c) J.data()[c] = S(c % 5) + S(k % 3);
+      pairs.set_transport(0, k, Mat<double, 6, 6>(double(k) * Mat<double, 6, 6>::Identity()));
       for (int c = 0; c < 3 * L; ++c) J_l.data()[c] = S((c * k) % 4) + S(0.5);
       const Vec<S, 3> r(S(1), S(2), S(k));
       const S weight = Huber<S>().weight(r.squaredNorm());
       normal.add_cost(double(Huber<S>().rho(r.squaredNorm())));
-      ok = ok && landmark.add(0, J_i, k, J_j, J_l, Vec<S, 3>(std::sqrt(weight) * r));
+      ok = ok && landmark.add(k, J, J_l, Vec<S, 3>(std::sqrt(weight) * r));
     }
+    landmark.add_to(pairs);
+    pairs.add_to(normal);
     const Mat<double, 15, 15> I = Mat<double, 15, 15>::Identity(), minus_I = -I;
     for (int k = 0; k < blocks; ++k) normal.add(k, I, Vec<double, 15>(Vec<double, 15>::Ones()), 0.5);
     for (int k = 1; k < blocks; ++k) normal.add(k, I, k - 1, minus_I, Vec<double, 15>(Vec<double, 15>::Ones()), 2.0);
-    if (!prior.empty()) {
-      e.setConstant(dim - block_dim, 0.1);
-      normal.add_dense(prior.J0, prior.r0, e);
-      normal.add_dense(prior.J0, prior.r0);
-      normal.add_cost(prior.residual(e).squaredNorm());
-    }
     return normal.cost();
   }
   bool solve(double mu, double& predicted_decrease) {
-    ok = ok && landmark.eliminate(S(mu));
-    landmark.add_to(normal);
+    ok = ok && landmark.eliminate(S(mu), pairs);
+    landmark.subtract_from(normal);
     const bool solved = normal.solve(mu, d) && normal.covariance_block(3, covariance);
     predicted_decrease = normal.predicted_decrease(mu, d);
     predicted_decrease += landmark.predicted_decrease(landmark.back_substitute(d, block_dim));
@@ -68,7 +80,7 @@ struct Window {
 
   void marginalize() {
     work.resize(40, L + dim + 1);
-    const int rank = landmark.reduced_rows(work, block_dim), n = landmark.rows() - rank;
+    const int rank = landmark.reduced_rows(work, pairs, block_dim), n = landmark.rows() - rank;
     marginalizer.reset(dim);
     marginalizer.add_rows(work.block(rank, L, n, dim), work.col(L + dim).segment(rank, n));
     const Mat<double, 15, 15> I = Mat<double, 15, 15>::Identity();

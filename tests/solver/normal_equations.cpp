@@ -120,21 +120,45 @@ TEST_CASE("normal_equations: covariance blocks are those of the inverse") {
   }
 }
 
-TEST_CASE("normal_equations: dense prior rows over the leading blocks, at an offset") {
+TEST_CASE("normal_equations: starts from what is known, and takes whole blocks") {
   Random random(6);
-  const int columns = 9;
-  for (const bool triangular : {false, true}) {
-    System<double> system(7);
-    Eigen::MatrixXd J0 = random_matrix(random, columns, columns);
-    if (triangular) J0.triangularView<Eigen::StrictlyLower>().setZero();
-    const Eigen::VectorXd r0 = random_matrix(random, columns, 1), e = random_matrix(random, columns, 1);
-    system.normal->add_dense(J0, r0, e);
-    system.normal->add_dense(J0, r0);
-    system.H.topLeftCorner(columns, columns) += 2 * J0.transpose() * J0;
-    system.b.head(columns) += J0.transpose() * (2 * r0 + J0 * e);
-    REQUIRE(relative_error(symmetric(system.normal->H()), system.H) < 1e-14);
-    REQUIRE(relative_error(system.normal->b(), system.b) < 1e-14);
-  }
+  System<double> system(7);
+  const Eigen::MatrixXd J = random_matrix(random, dim, dim), known = J.transpose() * J;
+  Eigen::MatrixXd lower = known;
+  lower.triangularView<Eigen::StrictlyUpper>().setConstant(std::numeric_limits<double>::quiet_NaN());  // not read
+  const Mat<double, 3, 3> B = random_matrix<double, 3, 3>(random);
+  const Mat<double, 2, 2> C = random_matrix<double, 2, 2>(random);
+  const Vec<double, 3> g = random_matrix<double, 3, 1>(random);
+  const Eigen::Matrix<double, 2, 2, Eigen::RowMajor> a = random_matrix<double, 2, 2>(random),
+                                                     b = random_matrix<double, 2, 2>(random);
+  system.normal->reset(blocks, lower);
+  system.normal->add_block(3, 1, B);
+  system.normal->add_block(4, 2, C);
+  system.normal->subtract_product<2, 2>(4, a, 0, b);
+  system.normal->add_gradient(2, g);
+  system.normal->add_gradient(Eigen::VectorXd::Ones(dim));
+  Eigen::MatrixXd H = known;
+  H.block<3, 3>(9, 3) += B;
+  H.block<2, 2>(12, 6) += C;
+  H.block<2, 2>(12, 0) -= a.transpose() * b;
+  Eigen::VectorXd gradient = Eigen::VectorXd::Ones(dim);
+  gradient.segment<3>(6) += g;
+  REQUIRE(relative_error(symmetric(system.normal->H()), Eigen::MatrixXd(H.selfadjointView<Eigen::Lower>())) < 1e-14);
+  REQUIRE(relative_error(system.normal->b(), gradient) < 1e-14);
+}
+
+TEST_CASE("normal_equations: the order of elimination changes nothing") {
+  System<double> system(9);
+  NormalEquations<double, block_dim, 8>::Vector expected, d;
+  Mat<double, 2, 2> covariance;
+  REQUIRE(system.normal->solve(0.1, expected));
+  NormalEquations<double, block_dim, 8>::Order order{};
+  for (int k = 0; k < dim; ++k) order[std::size_t(k)] = std::int16_t((7 * k + 3) % dim);
+  system.normal->set_order(order);
+  REQUIRE(system.normal->solve(0.1, d));
+  REQUIRE(relative_error(d, expected) < 1e-12);
+  REQUIRE(system.normal->covariance_block(2, covariance));  // of the leading two parameters
+  REQUIRE(relative_error(covariance, Eigen::MatrixXd(system.H.inverse()).block<2, 2>(6, 6)) < 1e-10);
 }
 
 TEST_CASE("normal_equations: all in float") {

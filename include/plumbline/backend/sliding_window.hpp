@@ -8,7 +8,10 @@
 /// With an IMU a frame's block is [pose, velocity, biases], docs/math/inertial_window.md, and the cost has the chain's
 /// terms as soon as `start_inertial` was called; before, velocities and biases rest where they are.
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <tuple>
 #include <type_traits>
 
@@ -20,6 +23,7 @@
 #include "plumbline/solver/levenberg_marquardt.hpp"
 #include "plumbline/solver/marginalization.hpp"
 #include "plumbline/solver/normal_equations.hpp"
+#include "plumbline/solver/relative_equations.hpp"
 
 namespace plumbline {
 
@@ -45,7 +49,9 @@ class WindowBackend {
   static constexpr bool has_imu = Sensors::has_imu;
   using Inertial = std::conditional_t<has_imu, InertialChain<S, K>, NoInertialChain>;
 
-  explicit WindowBackend(const Options& options) : options_(options), inertial_(options.inertial) {}
+  explicit WindowBackend(const Options& options) : options_(options), inertial_(options.inertial) {
+    prior_H_.resize(dim, dim);
+  }
 
   const Window& window() const { return window_; }
   const Inertial& inertial() const { return inertial_; }
@@ -118,11 +124,11 @@ class WindowBackend {
     }
     Problem problem{*this, rig, features, T_body_cam};
     const LevenbergMarquardtSummary summary = levenberg_marquardt(problem, solver);
-    views_.linearize(window_, problem.T_body_cam);
+    views_.update(window_, T_body_cam);
     for_each(features, [&](auto& map, auto& terms) { terms.finish(rig, map, window_, views_); });
     // For the covariance: what damped the landmarks is no knowledge.
-    build_equations();
-    for_each(features, [&](auto& map, auto& terms) { terms.eliminate(map, S(solver.mu_min), equations_); });
+    problem.linearize();
+    problem.eliminate(solver.mu_min);
     return summary;
   }
   LevenbergMarquardtSummary optimize(const Sensors& rig, FeatureSet& features) {
@@ -135,7 +141,7 @@ class WindowBackend {
     marginalize(rig, rig.T_body_cam(), features, slot);
   }
   void marginalize(const Sensors& rig, const SE3<S>& T_body_cam, FeatureSet& features, int slot) {
-    views_.linearize(window_, T_body_cam);
+    linearize_views(T_body_cam);
     marginalizer_.reset(dim);
     marginalizer_.add_rows(prior_.J0, prior_.r0);
     const Vec<double, dim> e = corrections();
@@ -157,7 +163,7 @@ class WindowBackend {
         static_assert(columns <= max_landmark_dim && std::remove_cvref_t<decltype(landmark)>::max_rows <= max_rows);
         const int rows = landmark.rows();
         work_.resize(rows, columns + dim + 1);
-        const int rank = landmark.reduced_rows(work_, block_dim);
+        const int rank = landmark.reduced_rows(work_, pairs_, block_dim);
         if (rows <= rank) return;
         const auto J = work_.block(rank, columns, rows - rank, dim);
         work_.col(columns + dim).tail(rows - rank) -= J * e;  // the prior's residual belongs to e = 0
@@ -174,6 +180,7 @@ class WindowBackend {
       prior_.r0 = reduced_.r0;
     }
     prior_.J0.middleCols(before, block_dim).setZero();
+    prior_.information(prior_H_);
     window_.remove(slot);
     for (int k = 0; k < K; ++k) {
       if (window_[k].used && !prior_.J0.middleCols(k * block_dim, block_dim).isZero(0)) {
@@ -229,6 +236,7 @@ class WindowBackend {
   static constexpr int dim = K * block_dim;
   static constexpr int max_rows = 6 * K, max_landmark_dim = 4;  ///< of one landmark of any kind
   using Equations = NormalEquations<double, block_dim, K>;
+  using Pairs = RelativeEquations<double, 6, K>;
   template <class Map>
   using Terms = typename Map::template WindowTerms<6>;  // features see poses alone
 
@@ -240,20 +248,28 @@ class WindowBackend {
     SE3<S> T_body_cam;
 
     double linearize() {
-      self.views_.linearize(self.window_, T_body_cam);
+      self.linearize_views(T_body_cam);
+      self.pairs_.reset();
       double cost = self.prior_cost() + self.inertial_cost();
-      self.for_each(features,
-                    [&](auto& map, auto& terms) { cost += terms.linearize(rig, map, self.window_, self.views_); });
+      self.for_each(features, [&](auto& map, auto& terms) {
+        cost += terms.linearize(rig, map, self.window_, self.views_, self.pairs_);
+      });
       return cost;
     }
 
-    bool solve(double mu, double& predicted_decrease) {
+    /// The equations of the frames alone.
+    bool eliminate(double mu) {
       self.build_equations();
+      self.pairs_.add_to(self.equations_);
       bool eliminated = true;
       self.for_each(features, [&](auto& map, auto& terms) {
-        eliminated = eliminated && terms.eliminate(map, S(mu), self.equations_);
+        eliminated = eliminated && terms.eliminate(map, S(mu), self.pairs_, self.equations_);
       });
-      if (!eliminated || !self.equations_.solve(mu, self.step_)) return false;
+      return eliminated;
+    }
+
+    bool solve(double mu, double& predicted_decrease) {
+      if (!eliminate(mu) || !self.equations_.solve(mu, self.step_)) return false;
       predicted_decrease = self.equations_.predicted_decrease(mu, self.step_);
       self.for_each(features, [&](auto& map, auto& terms) { predicted_decrease += terms.solve(map, self.step_); });
       return true;
@@ -305,6 +321,11 @@ class WindowBackend {
     return d.template head<3>().norm() + d.template tail<3>().norm() / mean_depth;
   }
 
+  void linearize_views(const SE3<S>& T_body_cam) {
+    views_.update(window_, T_body_cam);
+    views_.set_transports(window_, pairs_);
+  }
+
   double prior_cost() const { return (prior_.r0 + prior_.J0 * corrections()).squaredNorm() / 2; }
 
   double inertial_cost() const {
@@ -326,13 +347,33 @@ class WindowBackend {
     prior_.J0.setZero();
     prior_.J0.template block<Rows, Columns>(0, slot * block_dim) = J;
     prior_.r0.setZero(Rows);
+    prior_.information(prior_H_);
     fix_linearization_point(slot);
+  }
+
+  /// The order of elimination: velocities and biases from the newest to the oldest, each of which is linked to the next
+  /// one alone, then the poses. The newest pose is last: its covariance is the end of the factor.
+  void order_parameters() {
+    std::array<int, K> slots;  // oldest first, those that are free before all
+    for (int k = 0; k < K; ++k) slots[k] = k;
+    const auto age = [this](int k) { return window_[k].used ? std::int64_t(window_[k].sequence) : -1; };
+    std::sort(slots.begin(), slots.end(), [&](int a, int b) { return age(a) < age(b); });
+    typename Equations::Order order;
+    int n = 0;
+    for (int k = K - 1; k >= 0; --k) {
+      for (int c = 6; c < block_dim; ++c) order[n++] = std::int16_t(slots[k] * block_dim + c);
+    }
+    for (const int slot : slots) {
+      for (int c = 0; c < 6; ++c) order[n++] = std::int16_t(slot * block_dim + c);
+    }
+    equations_.set_order(order);
   }
 
   /// The prior, the inertial rows, and an identity for every parameter that nothing speaks of.
   void build_equations() {
-    equations_.reset(K);
-    equations_.add_dense(prior_.J0, prior_.r0, corrections());
+    order_parameters();
+    equations_.reset(K, prior_H_);
+    equations_.add_gradient(prior_.J0.transpose() * (prior_.r0 + prior_.J0 * corrections()));
     for (int k = 0; k < K; ++k) {
       if (!window_[k].used) {
         equations_.add(k, Mat<double, block_dim, block_dim>::Identity().eval(), Vec<double, block_dim>::Zero().eval(),
@@ -357,9 +398,11 @@ class WindowBackend {
   bool inertial_started_ = false;
   WindowViews<S, K> views_;
   Prior<dim> prior_;
+  BoundedMatrix<double, dim, dim> prior_H_;  ///< J0^T J0, which does not change until the next keyframe leaves
   Marginalizer<dim, 64> marginalizer_;
   Prior<dim> reduced_;
   Equations equations_;
+  Pairs pairs_;
   typename Equations::Vector step_;
   typename FeatureSet::template TupleOf<Terms> terms_;
   BoundedMatrix<double, max_rows, max_landmark_dim + dim + 1> work_;

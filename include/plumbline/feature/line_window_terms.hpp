@@ -32,31 +32,34 @@ class LineWindowTerms {
   static constexpr int rows_per_view = Sensors::has_depth ? 4 : 2;
   static constexpr int max_rows = rows_per_view * slots + 4;
   using Elimination = LandmarkElimination<S, 4, BlockDim, slots, max_rows>;
+  using Pairs = typename Elimination::Pairs;
 
   /// True when a landmark takes part: located and seen by a keyframe besides its anchor.
   static bool takes_part(const Landmark& landmark) {
     return landmark.located && landmark.seen_by_anchor().valid && landmark.observation_count() >= 2;
   }
 
-  /// Linearizes all landmarks at the current state and returns their cost.
-  double linearize(const Sensors&, const Map& map, const Window& window, const Views& views) {
+  /// Linearizes all landmarks at the current state, adds their rows to `pairs` and returns their cost.
+  double linearize(const Sensors&, const Map& map, const Window& window, const Views& views, Pairs& pairs) {
     double cost = 0;
     for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
       const Landmark& landmark = map.landmarks()[i];
+      eliminations_[i].reset();
       if (!takes_part(landmark)) continue;
       cost += add_rows(landmark, window, views, eliminations_[i]);
       eliminations_[i].template add<4>(Mat<S, 4, 4>::Identity(), Vec<S, 4>::Zero());  // (31)
+      eliminations_[i].add_to(pairs);
     }
     return cost;
   }
 
-  /// Eliminates all landmarks with damping `mu` and adds what is left of them to the normal equations.
+  /// Eliminates all landmarks with damping `mu`: takes from the normal equations what `pairs` has too much.
   template <class Equations>
-  bool eliminate(const Map& map, S mu, Equations& equations) {
+  bool eliminate(const Map& map, S mu, const Pairs& pairs, Equations& equations) {
     for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
-      if (!takes_part(map.landmarks()[i])) continue;
-      if (!eliminations_[i].eliminate(mu)) return false;
-      eliminations_[i].add_to(equations);
+      if (eliminations_[i].rows() == 0) continue;
+      if (!eliminations_[i].eliminate(mu, pairs)) return false;
+      eliminations_[i].subtract_from(equations);
     }
     return true;
   }
@@ -67,7 +70,7 @@ class LineWindowTerms {
     double predicted = 0;
     for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
       steps_[i].setZero();
-      if (!takes_part(map.landmarks()[i])) continue;
+      if (eliminations_[i].rows() == 0) continue;
       steps_[i] = eliminations_[i].back_substitute(d, Sensors::state_dim);
       predicted += eliminations_[i].predicted_decrease(steps_[i]);
     }
@@ -111,8 +114,7 @@ class LineWindowTerms {
       drop_outliers(landmark, views);
       add_rows(landmark, window, views, eliminations_[i]);
       eliminations_[i].template add<4>(Mat<S, 4, 4>::Identity(), Vec<S, 4>::Zero());  // (31)
-      const bool known = eliminations_[i].eliminate(S(0));
-      if (known) landmark.covariance = eliminations_[i].landmark_covariance();
+      const bool known = eliminations_[i].covariance(landmark.covariance);
       if (!known || !landmark.is_sound()) landmark.located = landmark.current.valid = false;
     }
   }
@@ -130,9 +132,10 @@ class LineWindowTerms {
         add_rows(landmark, window, views, eliminations_[i]);
       } else {
         if (!landmark.observations[slot].valid) continue;
-        eliminations_[i].reset();
-        add_view(landmark, landmark.anchor, views, eliminations_[i]);
-        add_view(landmark, slot, views, eliminations_[i]);
+        const LineInAnchor line(landmark.line);
+        eliminations_[i].reset(landmark.anchor);
+        add_view(landmark, line, landmark.anchor, views, eliminations_[i]);
+        add_view(landmark, line, slot, views, eliminations_[i]);
       }
       if (eliminations_[i].rows() > 0) take(std::as_const(eliminations_[i]));
     }
@@ -150,7 +153,7 @@ class LineWindowTerms {
   };
 
   static Plucker<S> in_camera(int anchor, int slot, const Views& views, const Plucker<S>& line) {
-    return slot == anchor ? line : line_in_target(views.current(anchor, slot), line);
+    return slot == anchor ? line : line_in_target(views(anchor, slot), line);
   }
   static Errors errors_of(const SegmentObservation<S>& seen, const Plucker<S>& line) {
     Errors out{line_visible<S>(line, seen.pixels.bearing_start + seen.pixels.bearing_end), Vec<S, 2>::Zero(),
@@ -164,43 +167,49 @@ class LineWindowTerms {
     return (loss_.rho(errors.pixels.squaredNorm()) + loss_.rho(errors.depth.squaredNorm())) / 2;
   }
 
+  /// What all observations of a landmark share.
+  using LineInAnchor = LinearizedLine<S>;
+
   /// All rows of one landmark, whitened and weighted. Returns their cost.
   double add_rows(const Landmark& landmark, const Window& window, const Views& views, Elimination& rows) const {
-    rows.reset();
+    const LineInAnchor line(landmark.line);
+    rows.reset(landmark.anchor);
     double cost = 0;
     for (int slot = 0; slot < slots; ++slot) {
-      if (landmark.observations[slot].valid && window[slot].used) cost += add_view(landmark, slot, views, rows);
+      if (landmark.observations[slot].valid && window[slot].used) cost += add_view(landmark, line, slot, views, rows);
     }
     return cost;
   }
 
   /// The rows of the observation in `slot`.
-  double add_view(const Landmark& landmark, int slot, const Views& views, Elimination& rows) const {
+  double add_view(const Landmark& landmark, const LineInAnchor& line, int slot, const Views& views,
+                  Elimination& rows) const {
     const SegmentObservation<S>& seen = landmark.observations[slot];
-    const Errors errors = errors_of(seen, in_camera(landmark.anchor, slot, views, landmark.line.plucker()));
+    const Errors errors = errors_of(seen, in_camera(landmark.anchor, slot, views, line.plucker));
     if (!errors.valid) return invalid_cost;
-    if (!add_measurement(landmark, slot, views, seen.pixels, seen.pixels_L, errors.pixels, rows)) return invalid_cost;
-    if (seen.has_depth) add_measurement(landmark, slot, views, seen.depth, seen.depth_L, errors.depth, rows);
+    if (!add_measurement(landmark, line, slot, views, seen.pixels, seen.pixels_L, errors.pixels, rows)) {
+      return invalid_cost;
+    }
+    if (seen.has_depth) add_measurement(landmark, line, slot, views, seen.depth, seen.depth_L, errors.depth, rows);
     return cost_of(errors);
   }
 
   template <class Measurement>
-  bool add_measurement(const Landmark& landmark, int slot, const Views& views, const Measurement& measurement,
-                       const Mat<S, 2, 2>& L, const Vec<S, 2>& r, Elimination& rows) const {
+  bool add_measurement(const Landmark& landmark, const LineInAnchor& line, int slot, const Views& views,
+                       const Measurement& measurement, const Mat<S, 2, 2>& L, const Vec<S, 2>& r,
+                       Elimination& rows) const {
     const AnchoredLine<Measurement> residual{measurement};
     const S w = std::sqrt(loss_.weight(r.squaredNorm()));
     const Mat<S, 2, 2> wL = w * L;
     const Vec<S, 2> weighted = w * r;
     if (slot == landmark.anchor) {
-      const auto lin = residual.linearize_in_anchor(landmark.line);
+      const auto lin = residual.linearize_in_anchor(line);
       if (!lin.valid) return false;
       return rows.template add<2>(Mat<S, 2, 4>(wL * lin.J_r_line), weighted);
     }
-    const auto lin = residual.linearize(views.current(landmark.anchor, slot), landmark.line);
+    const auto lin = residual.linearize_in_target(views(landmark.anchor, slot), line);
     if (!lin.valid) return false;
-    const Mat<S, 2, 6> J_target = wL * lin.J_r_target;
-    return rows.template add<2>(landmark.anchor, Mat<S, 2, 6>(J_target * views.transport(landmark.anchor, slot)), slot,
-                                J_target, Mat<S, 2, 4>(wL * lin.J_r_lambda), weighted);
+    return rows.template add<2>(slot, Mat<S, 2, 6>(wL * lin.J_r_target), Mat<S, 2, 4>(wL * lin.J_r_line), weighted);
   }
 
   /// The anchor's own pixels stay: without them nothing tells where on the line it was seen.

@@ -8,12 +8,13 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/point_landmark.hpp"
 #include "plumbline/mapping/window_views.hpp"
-#include "plumbline/residual/inverse_depth_point.hpp"
+#include "plumbline/residual/relative_view.hpp"
 #include "plumbline/sensor/rig.hpp"
 #include "plumbline/solver/landmark_elimination.hpp"
 #include "plumbline/solver/robust_loss.hpp"
@@ -31,28 +32,32 @@ class PointWindowTerms {
   static constexpr int rows_per_view = Sensors::has_depth ? 3 : 2;
   static constexpr int max_rows = rows_per_view * slots;
   using Elimination = LandmarkElimination<S, 1, BlockDim, slots, max_rows>;
+  using Pairs = typename Elimination::Pairs;
   static constexpr S lambda_min = S(1e-3), lambda_max = S(20);  ///< inverse range stays in this interval [1/m]
 
   /// True when a landmark takes part: located and seen by a keyframe besides its anchor.
   static bool takes_part(const Landmark& landmark) { return landmark.located && landmark.observation_count() >= 2; }
 
-  /// Linearizes all landmarks at the current state and returns their cost.
-  double linearize(const Sensors& rig, const Map& map, const Window& window, const Views& views) {
+  /// Linearizes all landmarks at the current state, adds their rows to `pairs` and returns their cost.
+  double linearize(const Sensors& rig, const Map& map, const Window& window, const Views& views, Pairs& pairs) {
     double cost = 0;
     for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
       const Landmark& landmark = map.landmarks()[i];
-      if (takes_part(landmark)) cost += rows_of(rig, landmark, window, views, eliminations_[i]).cost;
+      eliminations_[i].reset();
+      if (!takes_part(landmark)) continue;
+      cost += add_rows(rig, landmark, window, views, eliminations_[i]);
+      eliminations_[i].add_to(pairs);
     }
     return cost;
   }
 
-  /// Eliminates all landmarks with damping `mu` and adds what is left of them to the normal equations.
+  /// Eliminates all landmarks with damping `mu`: takes from the normal equations what `pairs` has too much.
   template <class Equations>
-  bool eliminate(const Map& map, S mu, Equations& equations) {
+  bool eliminate(const Map& map, S mu, const Pairs& pairs, Equations& equations) {
     for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
-      if (!takes_part(map.landmarks()[i])) continue;
-      if (!eliminations_[i].eliminate(mu)) return false;
-      eliminations_[i].add_to(equations);
+      if (eliminations_[i].rows() == 0) continue;
+      if (!eliminations_[i].eliminate(mu, pairs)) return false;
+      eliminations_[i].subtract_from(equations);
     }
     return true;
   }
@@ -63,7 +68,7 @@ class PointWindowTerms {
     double predicted = 0;
     for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
       steps_[i] = S(0);
-      if (!takes_part(map.landmarks()[i])) continue;
+      if (eliminations_[i].rows() == 0) continue;
       const Vec<S, 1> dl = eliminations_[i].back_substitute(d, Sensors::state_dim);
       predicted += eliminations_[i].predicted_decrease(dl);
       steps_[i] = dl(0);
@@ -92,31 +97,37 @@ class PointWindowTerms {
         const PointObservation<S>& seen = landmark.observations[slot];
         if (!seen.valid || !window[slot].used) continue;
         if (slot == landmark.anchor) {
-          if (seen.depth.valid) sum += depth_loss_.rho(square(anchor_depth_error(landmark) / seen.depth.sigma)) / 2;
+          if (seen.depth.valid) sum += depth_loss_.rho(square(anchor_depth_error(landmark))) / 2;
           continue;
         }
-        const Vec<S, 3> p = views.current(landmark.anchor, slot).scaled_point(landmark.bearing, landmark.inverse_range);
-        const Projection<S> projection = rig.vision.camera.project(p);
-        if (!projection.valid) {
-          sum += invalid_cost;
-          continue;
-        }
-        sum += pixel_loss_.rho(whitened(seen, projection.uv).squaredNorm()) / 2;
-        if (seen.depth.valid) {
-          sum += depth_loss_.rho(square((landmark.inverse_range / p.z() - seen.depth.value) / seen.depth.sigma)) / 2;
-        }
+        const Vec<S, 3> P = views(landmark.anchor, slot).scaled_point(landmark.bearing, landmark.inverse_range);
+        const Projection<S> projection = rig.vision.camera.project(P);
+        sum += projection.valid ? cost_of(errors_of(seen, projection, landmark.inverse_range / P.z())) : invalid_cost;
       }
     }
     return sum;
   }
 
-  /// After convergence: the landmarks' standard deviations given the poses, and observations that do not belong.
+  /// After convergence: observations that do not belong, and the landmarks' standard deviations given the poses.
   void finish(const Sensors& rig, Map& map, const Window& window, const Views& views) {
     for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
       Landmark& landmark = map.landmarks()[i];
       if (!takes_part(landmark)) continue;
-      drop_outliers(rig, landmark, views);
-      const S information = rows_of(rig, landmark, window, views, eliminations_[i]).information;
+      S information = S(0);  // on lambda, the poses given
+      for (int slot = 0; slot < slots; ++slot) {
+        PointObservation<S>& seen = landmark.observations[slot];
+        if (!seen.valid || !window[slot].used) continue;
+        if (slot == landmark.anchor) {
+          const S r = anchor_depth_error(landmark);
+          if (seen.depth.valid) {
+            information += depth_loss_.weight(r * r) / square(seen.depth.sigma * landmark.bearing.z());
+          }
+          continue;
+        }
+        const ViewRows lin = linearize_view(rig, landmark, slot, views);
+        seen.valid = lin.pixel_chi2 < drop_chi2;
+        if (seen.valid && lin.valid) information += lin.J_r_lambda.squaredNorm();
+      }
       if (information > S(0)) landmark.sigma_inverse_range = S(1) / std::sqrt(information);
     }
   }
@@ -131,9 +142,9 @@ class PointWindowTerms {
       const Landmark& landmark = map.landmarks()[i];
       if (!takes_part(landmark)) continue;
       if (landmark.anchor == slot) {
-        rows_of(rig, landmark, window, views, eliminations_[i]);
+        add_rows(rig, landmark, window, views, eliminations_[i]);
       } else {
-        eliminations_[i].reset();
+        eliminations_[i].reset(landmark.anchor);
         if (landmark.observations[slot].valid) add_view(rig, landmark, slot, views, eliminations_[i]);
       }
       if (eliminations_[i].rows() > 0) take(std::as_const(eliminations_[i]));
@@ -144,93 +155,102 @@ class PointWindowTerms {
   static constexpr double invalid_cost = 100;  ///< of an observation that the current state cannot explain at all
   static constexpr S drop_chi2 = S(25);        ///< whitened squared error beyond which an observation is an outlier
 
-  struct RowsSummary {
-    double cost = 0;
-    S information = S(0);  ///< of the inverse range, given the poses
-
-    RowsSummary& operator+=(const RowsSummary& other) {
-      cost += other.cost;
-      information += other.information;
-      return *this;
-    }
+  /// Whitened errors of one observation besides the anchor's.
+  struct Errors {
+    Vec<S, 2> pixel;
+    S depth;  ///< zero where none was measured
   };
 
   static S square(S x) { return x * x; }
-  static Vec<S, 2> whitened(const PointObservation<S>& seen, const Vec<S, 2>& uv) {
-    return seen.L.template cast<S>() * (uv - seen.uv.template cast<S>());
-  }
   static S anchor_depth_error(const Landmark& landmark) {
-    return landmark.inverse_range / landmark.bearing.z() - landmark.observations[landmark.anchor].depth.value;
+    const InverseDepth<S>& depth = landmark.observations[landmark.anchor].depth;
+    return (landmark.inverse_range / landmark.bearing.z() - depth.value) / depth.sigma;
+  }
+  static Errors errors_of(const PointObservation<S>& seen, const Projection<S>& projection, S inverse_depth) {
+    Errors out;
+    out.pixel.noalias() = seen.L.template cast<S>() * (projection.uv - seen.uv.template cast<S>());
+    out.depth = seen.depth.valid ? (inverse_depth - seen.depth.value) / seen.depth.sigma : S(0);
+    return out;
+  }
+  double cost_of(const Errors& errors) const {
+    return double(pixel_loss_.rho(errors.pixel.squaredNorm()) + depth_loss_.rho(square(errors.depth))) / 2;
   }
 
-  /// All rows of one landmark, whitened and weighted.
-  RowsSummary rows_of(const Sensors& rig, const Landmark& landmark, const Window& window, const Views& views,
-                      Elimination& rows) const {
-    rows.reset();
-    RowsSummary sum;
+  /// All rows of one landmark, whitened and weighted. Returns their cost.
+  double add_rows(const Sensors& rig, const Landmark& landmark, const Window& window, const Views& views,
+                  Elimination& rows) const {
+    rows.reset(landmark.anchor);
+    double cost = 0;
     for (int slot = 0; slot < slots; ++slot) {
       if (!landmark.observations[slot].valid || !window[slot].used) continue;
-      sum += slot == landmark.anchor ? add_anchor(landmark, rows) : add_view(rig, landmark, slot, views, rows);
+      cost += slot == landmark.anchor ? add_anchor(landmark, rows) : add_view(rig, landmark, slot, views, rows);
     }
-    return sum;
+    return cost;
   }
 
   /// The row of the depth measured in the anchor.
-  RowsSummary add_anchor(const Landmark& landmark, Elimination& rows) const {
+  double add_anchor(const Landmark& landmark, Elimination& rows) const {
     const InverseDepth<S>& depth = landmark.observations[landmark.anchor].depth;
-    if (!depth.valid) return {};
-    const S r = anchor_depth_error(landmark) / depth.sigma;
-    const S w = std::sqrt(depth_loss_.weight(r * r));
-    const S J = w / (depth.sigma * landmark.bearing.z());
-    rows.template add<1>(Mat<S, 1, 1>(J), Vec<S, 1>(w * r));
-    return {depth_loss_.rho(r * r) / 2, J * J};
+    if (!depth.valid) return 0;
+    const S r = anchor_depth_error(landmark), w = std::sqrt(depth_loss_.weight(r * r));
+    rows.template add<1>(Mat<S, 1, 1>(w / (depth.sigma * landmark.bearing.z())), Vec<S, 1>(w * r));
+    return double(depth_loss_.rho(r * r)) / 2;
+  }
+
+  /// Weighted rows of one observation by P~ and by lambda: two of the pixel, one of the depth where there is one, and
+  /// zeros that make them four.
+  struct ViewRows {
+    bool valid, depth;
+    double cost;
+    S pixel_chi2;
+    Vec<S, 3> P;  ///< P~
+    Mat<S, 4, 3> J_r_P;
+    Vec<S, 4> J_r_lambda, r;
+  };
+
+  ViewRows linearize_view(const Sensors& rig, const Landmark& landmark, int slot, const Views& views) const {
+    const PointObservation<S>& seen = landmark.observations[slot];
+    const RelativeView<S>& view = views(landmark.anchor, slot);
+    const S lambda = landmark.inverse_range;
+    ViewRows out;
+    out.P = view.scaled_point(landmark.bearing, lambda);
+    const Projection<S> projection = rig.vision.camera.project(out.P);
+    out.valid = projection.valid;
+    out.pixel_chi2 = std::numeric_limits<S>::infinity();
+    out.cost = invalid_cost;
+    if (!out.valid) return out;
+    const S iz = S(1) / out.P.z();
+    const Errors errors = errors_of(seen, projection, lambda * iz);
+    out.pixel_chi2 = errors.pixel.squaredNorm();
+    out.cost = cost_of(errors);
+    const S w = std::sqrt(pixel_loss_.weight(out.pixel_chi2));
+    const Mat<S, 2, 2> wL = w * seen.L.template cast<S>();
+    out.J_r_P.template topRows<2>().noalias() = wL * projection.J_uv_p;
+    out.J_r_P.template bottomRows<2>().setZero();
+    out.r << w * errors.pixel, S(0), S(0);
+    const S w_z = std::sqrt(depth_loss_.weight(square(errors.depth)));
+    out.depth = Sensors::has_depth && seen.depth.valid && iz > S(0);
+    if (out.depth) {
+      out.J_r_P(2, 2) = -w_z / seen.depth.sigma * lambda * iz * iz;  // of lambda / P~_z
+      out.r(2) = w_z * errors.depth;
+    }
+    out.J_r_lambda.noalias() = out.J_r_P * view.t_target_anchor();
+    if (out.depth) out.J_r_lambda(2) += w_z / seen.depth.sigma * iz;
+    return out;
   }
 
   /// The rows of the observation in `slot`, another keyframe than the anchor.
-  RowsSummary add_view(const Sensors& rig, const Landmark& landmark, int slot, const Views& views,
-                       Elimination& rows) const {
-    const int anchor = landmark.anchor;
-    const S lambda = landmark.inverse_range;
-    const PointObservation<S>& seen = landmark.observations[slot];
-    const RelativeView<S>& view = views.current(anchor, slot);
-    const Mat<S, 6, 6>& transport = views.transport(anchor, slot);
-    const InverseDepthReprojection<typename Sensors::Camera> reprojection{seen.uv.template cast<S>()};
-    auto pixel = reprojection.linearize(rig.vision.camera, view, landmark.bearing, lambda);
-    if (!pixel.valid) return {invalid_cost, S(0)};
-    const Mat<S, 2, 2> L = seen.L.template cast<S>();
-    pixel.r = L * pixel.r;
-    pixel.J_r_target = L * pixel.J_r_target;
-    pixel.J_r_anchor = pixel.J_r_target * transport;
-    pixel.J_r_lambda = L * pixel.J_r_lambda;
-    const S s = pixel.r.squaredNorm();
-    const S w = std::sqrt(pixel_loss_.weight(s));
-    RowsSummary sum{pixel_loss_.rho(s) / 2, square(w) * pixel.J_r_lambda.squaredNorm()};
-    add(rows, anchor, slot, pixel, w);
-    if (!seen.depth.valid) return sum;
-    auto depth = InverseDepthMeasurement<S>{seen.depth.value}.linearize(view, landmark.bearing, lambda);
-    if (!depth.valid) return sum;
-    depth.J_r_anchor = depth.J_r_target * transport;
-    const S s_z = square(depth.r(0) / seen.depth.sigma);
-    const S w_z = std::sqrt(depth_loss_.weight(s_z)) / seen.depth.sigma;
-    sum += {depth_loss_.rho(s_z) / 2, square(w_z * depth.J_r_lambda(0))};
-    add(rows, anchor, slot, depth, w_z);
-    return sum;
+  double add_view(const Sensors& rig, const Landmark& landmark, int slot, const Views& views, Elimination& rows) const {
+    const ViewRows lin = linearize_view(rig, landmark, slot, views);
+    if (!lin.valid) return lin.cost;
+    const Mat<S, 4, 6> J =
+        views(landmark.anchor, slot).template target_jacobian<4>(lin.J_r_P, lin.P, landmark.inverse_range);
+    lin.depth ? add_top<3>(slot, J, lin, rows) : add_top<2>(slot, J, lin, rows);
+    return lin.cost;
   }
-
-  template <int Rows>
-  static void add(Elimination& rows, int anchor, int slot, const AnchoredLinearization<S, Rows>& lin, S w) {
-    rows.template add<Rows>(anchor, Mat<S, Rows, 6>(w * lin.J_r_anchor), slot, Mat<S, Rows, 6>(w * lin.J_r_target),
-                            Mat<S, Rows, 1>(w * lin.J_r_lambda), Vec<S, Rows>(w * lin.r));
-  }
-
-  void drop_outliers(const Sensors& rig, Landmark& landmark, const Views& views) const {
-    for (int slot = 0; slot < slots; ++slot) {
-      PointObservation<S>& seen = landmark.observations[slot];
-      if (!seen.valid || slot == landmark.anchor) continue;
-      const Vec<S, 3> p = views.current(landmark.anchor, slot).scaled_point(landmark.bearing, landmark.inverse_range);
-      const Projection<S> projection = rig.vision.camera.project(p);
-      if (!(projection.valid && whitened(seen, projection.uv).squaredNorm() < drop_chi2)) seen.valid = false;
-    }
+  template <int R>
+  static void add_top(int slot, const Mat<S, 4, 6>& J, const ViewRows& lin, Elimination& rows) {
+    rows.template add<R>(slot, J.template topRows<R>(), lin.J_r_lambda.template head<R>(), lin.r.template head<R>());
   }
 
   Huber<S> pixel_loss_{S(2.45)};  ///< sqrt(chi2_95_2dof)

@@ -25,6 +25,14 @@ Plucker<S> line_in_target(const RelativeView<S>& view, const Plucker<S>& line_an
   return {view.R_target_anchor() * line_anchor.n + view.t_target_anchor().cross(v), v};
 }
 
+/// A line in its anchor camera, with what every residual of it needs.
+template <class S>
+struct LinearizedLine {
+  Plucker<S> plucker;
+  Mat<S, 6, 4> J;  ///< d(n; v)/d theta
+  explicit LinearizedLine(const Line3<S>& line) : plucker(line.plucker()), J(line.plucker_jacobian()) {}
+};
+
 /// The measurement is LineReprojection or LineInverseDepth.
 template <class Measurement>
 struct AnchoredLine {
@@ -38,31 +46,49 @@ struct AnchoredLine {
     Vec<S, dim> r;
     Mat<S, dim, 4> J_r_line;
   };
+  /// By the target's pose; d/d anchor follows from it, RelativeView (4a).
+  struct TargetLinearized {
+    bool valid;
+    Vec<S, dim> r;
+    Mat<S, dim, 6> J_r_target;
+    Mat<S, dim, 4> J_r_line;
+    CameraLineLinearization<S, dim> by_anchor;  ///< derivatives by (n_a, v_a)
+  };
 
   Measurement measurement;
 
   /// `line` in the anchor camera; the target camera is the one that measured.
   Linearized linearize(const RelativeView<S>& view, const Line3<S>& line) const {
-    const Plucker<S> in_anchor = line.plucker(), in_target = line_in_target(view, in_anchor);
-    const CameraLineLinearization<S, dim> lin = measurement.linearize(in_target);
+    const LinearizedLine<S> linearized(line);
+    const TargetLinearized lin = linearize_in_target(view, linearized);
     Linearized out;
     out.valid = lin.valid;
     if (!out.valid) return out;
-    const Mat<S, 3, 3> R_cam_body = view.R_body_cam().transpose();
-    const Mat<S, dim, 3> tilted = lin.J_r_n * hat(view.t_target_anchor()) + lin.J_r_v;
-    CameraLineLinearization<S, dim> by_anchor;  // derivatives by (n_a, v_a)
-    by_anchor.J_r_n.noalias() = lin.J_r_n * view.R_target_anchor();
-    by_anchor.J_r_v.noalias() = tilted * view.R_target_anchor();
     out.r = lin.r;
-    out.J_r_anchor = -line_pose_jacobian(by_anchor, in_anchor, R_cam_body, view.p_body_cam());  // (14)
-    out.J_r_target = line_pose_jacobian(lin, in_target, R_cam_body, view.p_body_cam());
-    out.J_r_lambda = by_line(by_anchor, line);
+    out.J_r_anchor = -line_pose_jacobian(lin.by_anchor, linearized.plucker, Mat<S, 3, 3>(view.R_body_cam().transpose()),
+                                         view.p_body_cam());  // (14)
+    out.J_r_target = lin.J_r_target;
+    out.J_r_lambda = lin.J_r_line;
+    return out;
+  }
+  TargetLinearized linearize_in_target(const RelativeView<S>& view, const LinearizedLine<S>& line) const {
+    const Plucker<S> in_target = line_in_target(view, line.plucker);
+    const CameraLineLinearization<S, dim> lin = measurement.linearize(in_target);
+    TargetLinearized out;
+    out.valid = lin.valid;
+    if (!out.valid) return out;
+    const Mat<S, dim, 3> tilted = lin.J_r_n * hat(view.t_target_anchor()) + lin.J_r_v;
+    out.by_anchor.J_r_n.noalias() = lin.J_r_n * view.R_target_anchor();
+    out.by_anchor.J_r_v.noalias() = tilted * view.R_target_anchor();
+    out.r = lin.r;
+    out.J_r_target = line_pose_jacobian(lin, in_target, Mat<S, 3, 3>(view.R_body_cam().transpose()), view.p_body_cam());
+    out.J_r_line = by_line(out.by_anchor, line);
     return out;
   }
 
   /// For a measurement of the anchor camera.
-  AnchorLinearized linearize_in_anchor(const Line3<S>& line) const {
-    const CameraLineLinearization<S, dim> lin = measurement.linearize(line.plucker());
+  AnchorLinearized linearize_in_anchor(const LinearizedLine<S>& line) const {
+    const CameraLineLinearization<S, dim> lin = measurement.linearize(line.plucker);
     AnchorLinearized out;
     out.valid = lin.valid;
     if (!out.valid) return out;
@@ -70,12 +96,14 @@ struct AnchoredLine {
     out.J_r_line = by_line(lin, line);
     return out;
   }
+  AnchorLinearized linearize_in_anchor(const Line3<S>& line) const {
+    return linearize_in_anchor(LinearizedLine<S>(line));
+  }
 
  private:
   /// (15)
-  static Mat<S, dim, 4> by_line(const CameraLineLinearization<S, dim>& lin, const Line3<S>& line) {
-    const Mat<S, 6, 4> J = line.plucker_jacobian();
-    return lin.J_r_n * J.template topRows<3>() + lin.J_r_v * J.template bottomRows<3>();
+  static Mat<S, dim, 4> by_line(const CameraLineLinearization<S, dim>& lin, const LinearizedLine<S>& line) {
+    return lin.J_r_n * line.J.template topRows<3>() + lin.J_r_v * line.J.template bottomRows<3>();
   }
 };
 

@@ -7,6 +7,7 @@
 ///   dP~/d anchor  = [ -A [q]x , lambda A ],                q = R_e f + lambda p_e          3x6               (2)
 ///   dP~/d target  = R_cb [ [R_e P~ + lambda p_e]x , -lambda I ]                            3x6               (3)
 ///   dP~/d lambda  = t                                                                      3x1 [m]           (4)
+/// Poses enter through T_j^-1 T_a alone: d/d anchor = -(d/d target) Ad(T_j^-1 T_a), of everything that is seen.    (4a)
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/se3.hpp"
@@ -42,11 +43,24 @@ class RelativeView {
   ScaledPoint<S> linearize(const Vec<S, 3>& bearing, S inverse_range) const {
     ScaledPoint<S> out;
     out.P = scaled_point(bearing, inverse_range);
-    const Vec<S, 3> q = R_e_ * bearing + inverse_range * p_e_, q_target = R_e_ * out.P + inverse_range * p_e_;
+    const Vec<S, 3> q = R_e_ * bearing + inverse_range * p_e_;
     out.J_anchor.template leftCols<3>().noalias() = -A_ * hat(q);
     out.J_anchor.template rightCols<3>() = inverse_range * A_;
-    out.J_target.template leftCols<3>().noalias() = R_e_.transpose() * hat(q_target);
-    out.J_target.template rightCols<3>() = -inverse_range * R_e_.transpose();
+    out.J_target = target_jacobian<3>(Mat<S, 3, 3>::Identity(), out.P, inverse_range);
+    return out;
+  }
+
+  /// Derivative by the target's pose of what depends on P~ by J_r_P, (3).
+  template <int Rows>
+  Mat<S, Rows, 6> target_jacobian(const Mat<S, Rows, 3>& J_r_P, const Vec<S, 3>& P, S inverse_range) const {
+    const Vec<S, 3> q = R_e_ * P + inverse_range * p_e_;
+    Mat<S, Rows, 3> B;
+    B.noalias() = J_r_P * R_e_.transpose();
+    Mat<S, Rows, 6> out;
+    out.col(0) = q.z() * B.col(1) - q.y() * B.col(2);  // B [q]x
+    out.col(1) = q.x() * B.col(2) - q.z() * B.col(0);
+    out.col(2) = q.y() * B.col(0) - q.x() * B.col(1);
+    out.template rightCols<3>() = -inverse_range * B;
     return out;
   }
 

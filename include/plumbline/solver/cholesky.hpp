@@ -1,15 +1,18 @@
 #pragma once
-/// Cholesky factor A = U^T U of a symmetric positive definite matrix of at most MaxDim rows, without heap.
+/// Cholesky factor A = L L^T of a symmetric positive definite matrix of at most MaxDim rows, without heap.
 ///
-///   U_jj^2 = A_jj - |U_0j|^2,   U_ij = (A_ij - U_0i . U_0j) / U_ii   (columns above the diagonal) docs/math/solver.md
+///   L_ij L_jj^T = A_ij - sum_k L_ik L_jk^T,   k from the first block that rows i and j both have   docs/math/solver.md
 ///   (9)
-/// Left-looking by columns: each number is one dot product of contiguous memory.
+/// in blocks of 4 x 4, row by row. A row of L starts where the row of A does: what stands before its first number that
+/// is not zero stays zero, and costs nothing. An order of the parameters that makes rows short makes the factor cheap.
 
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
 #include <limits>
 
-#include "plumbline/solver/bounded_matrix.hpp"
+#include "plumbline/core/assert.hpp"
+#include "plumbline/core/matrix.hpp"
 
 namespace plumbline {
 
@@ -18,40 +21,140 @@ class Cholesky {
  public:
   using Vector = Eigen::Matrix<S, Eigen::Dynamic, 1, 0, MaxDim, 1>;
 
-  /// Factor of A + diag(damping); reads the lower triangle of A (dim x dim). False when A is not positive definite to
-  /// the precision of S, or not finite.
-  template <class DA, class Dd>
-  bool compute(const Eigen::MatrixBase<DA>& A, const Eigen::MatrixBase<Dd>& damping) {
-    const int dim = int(A.rows());
-    const S tolerance = S(dim) * std::numeric_limits<S>::epsilon();
-    U_.resize(dim, dim);
-    inverse_diagonal_.resize(dim);
-    for (int j = 0; j < dim; ++j) {
-      for (int i = 0; i < j; ++i) {
-        U_(i, j) = (A(j, i) - U_.col(i).head(i).dot(U_.col(j).head(i))) * inverse_diagonal_[i];
+  /// Factor of P (A + diag(damping)) P^T; reads the lower triangle of A (dim x dim). Row k of the factor belongs to
+  /// parameter order(k). False when A is not positive definite to the precision of S, or not finite.
+  template <class DA, class Dd, class Order>
+  bool compute(const Eigen::MatrixBase<DA>& A, const Eigen::MatrixBase<Dd>& damping, Order&& order) {
+    PLUMBLINE_ASSERT(A.rows() <= MaxDim && A.cols() == A.rows() && damping.size() == A.rows());
+    dim_ = int(A.rows());
+    for (int i = 0; i < tiles(); ++i) {
+      int first = i;
+      for (int j = i; j >= 0; --j) {
+        if (read(A, damping, order, i, j, at(i, j))) first = j;
       }
-      const S diagonal = A(j, j) + damping[j], pivot = diagonal - U_.col(j).head(j).squaredNorm();
-      if (!(pivot > tolerance * diagonal) || !(pivot <= std::numeric_limits<S>::max())) return false;
-      U_(j, j) = std::sqrt(pivot);
-      inverse_diagonal_[j] = S(1) / U_(j, j);
+      first_[i] = first;
+      for (int j = first; j < i; ++j) {
+        Tile& T = at(i, j);
+        subtract_products(i, j, T);
+        divide(T, at(j, j), inverse_diagonal_.data() + j * width);
+      }
+      const Vec<S, width> diagonal = at(i, i).diagonal();
+      subtract_products(i, i, at(i, i));
+      if (!factorize(at(i, i), diagonal, inverse_diagonal_.data() + i * width)) return false;
     }
     return true;
   }
+  template <class DA, class Dd>
+  bool compute(const Eigen::MatrixBase<DA>& A, const Eigen::MatrixBase<Dd>& damping) {
+    return compute(A, damping, [](int k) { return k; });
+  }
 
-  /// x <- A^-1 x, after compute.
+  /// x <- A^-1 x in the order of the factor, after compute.
   template <class D>
   void solve_in_place(Eigen::MatrixBase<D>& x) const {
-    const int dim = int(U_.rows());
-    for (int j = 0; j < dim; ++j) x[j] = (x[j] - U_.col(j).head(j).dot(x.head(j))) * inverse_diagonal_[j];
-    for (int j = dim - 1; j >= 0; --j) {
-      x[j] *= inverse_diagonal_[j];
-      x.head(j) -= x[j] * U_.col(j).head(j);
+    Padded y = padded(x);
+    forward(y, 0);
+    for (int i = tiles() - 1; i >= 0; --i) {
+      Part y_i(y.data() + i * width);
+      const Tile& L = at(i, i);
+      for (int c = width - 1; c >= 0; --c) {
+        for (int k = c + 1; k < width; ++k) y_i[c] -= L(k, c) * y_i[k];
+        y_i[c] *= inverse_diagonal_[i * width + c];
+      }
+      for (int k = first_[i]; k < i; ++k) Part(y.data() + k * width).noalias() -= at(i, k).transpose() * y_i;
     }
+    x = y.head(dim_);
+  }
+
+  /// x <- L^-1 x, where the numbers of x before `first` are zero.
+  template <class D>
+  void forward_in_place(Eigen::MatrixBase<D>& x, int first) const {
+    Padded y = padded(x);
+    forward(y, first / width);
+    x = y.head(dim_);
   }
 
  private:
-  BoundedMatrix<S, MaxDim, MaxDim> U_;
-  Vector inverse_diagonal_;
+  static constexpr int width = 4, max_tiles = (MaxDim + width - 1) / width;
+  using Tile = Mat<S, width, width>;
+  using Part = Eigen::Map<Vec<S, width>>;
+  using Padded = Vec<S, max_tiles * width>;
+
+  int tiles() const { return (dim_ + width - 1) / width; }
+  Tile& at(int i, int j) { return tiles_[std::size_t(i * (i + 1) / 2 + j)]; }
+  const Tile& at(int i, int j) const { return tiles_[std::size_t(i * (i + 1) / 2 + j)]; }
+
+  template <class D>
+  Padded padded(const Eigen::MatrixBase<D>& x) const {
+    Padded y;
+    y.head(dim_) = x;
+    y.segment(dim_, tiles() * width - dim_).setZero();
+    return y;
+  }
+
+  /// Block (i, j) of the matrix, the identity beyond its end. False when it is zero.
+  template <class DA, class Dd, class Order>
+  bool read(const Eigen::MatrixBase<DA>& A, const Eigen::MatrixBase<Dd>& damping, Order&& order, int i, int j,
+            Tile& out) const {
+    bool any = i == j;
+    for (int c = 0; c < width; ++c) {
+      for (int r = 0; r < width; ++r) {
+        const int k = i * width + r, l = j * width + c;
+        if (k >= dim_ || l >= dim_) {
+          out(r, c) = S(k == l);
+          continue;
+        }
+        const int p = order(k), q = order(l);
+        const S value = p > q ? A(p, q) : A(q, p);
+        out(r, c) = p == q ? value + damping[p] : value;
+        any = any || value != S(0);  // true for NaN
+      }
+    }
+    return any;
+  }
+
+  void subtract_products(int i, int j, Tile& T) const {
+    for (int k = first_[i] > first_[j] ? first_[i] : first_[j]; k < j; ++k) {
+      T.noalias() -= at(i, k) * at(j, k).transpose();
+    }
+  }
+  /// T <- T L^-T
+  static void divide(Tile& T, const Tile& L, const S* inverse_diagonal) {
+    for (int c = 0; c < width; ++c) {
+      for (int k = 0; k < c; ++k) T.col(c) -= L(c, k) * T.col(k);
+      T.col(c) *= inverse_diagonal[c];
+    }
+  }
+  /// T <- its factor. A pivot that is rounding of the diagonal it came from does not count.
+  bool factorize(Tile& T, const Vec<S, width>& diagonal, S* inverse_diagonal) const {
+    const S tolerance = S(dim_) * std::numeric_limits<S>::epsilon();
+    for (int c = 0; c < width; ++c) {
+      for (int k = 0; k < c; ++k) T.col(c) -= T(c, k) * T.col(k);
+      const S pivot = T(c, c);
+      if (!(pivot > tolerance * diagonal[c]) || !(pivot <= std::numeric_limits<S>::max())) return false;
+      inverse_diagonal[c] = S(1) / std::sqrt(pivot);
+      T.col(c) *= inverse_diagonal[c];
+    }
+    return true;
+  }
+  void forward(Padded& y, int first) const {
+    for (int i = first; i < tiles(); ++i) {
+      Part y_i(y.data() + i * width);
+      for (int k = first_[i] > first ? first_[i] : first; k < i; ++k) {
+        y_i.noalias() -= at(i, k) * Part(y.data() + k * width);
+      }
+      const Tile& L = at(i, i);
+      for (int c = 0; c < width; ++c) {
+        y_i[c] *= inverse_diagonal_[i * width + c];
+        for (int k = c + 1; k < width; ++k) y_i[k] -= L(k, c) * y_i[c];
+      }
+    }
+  }
+
+  int dim_ = 0;
+  std::array<int, max_tiles> first_;                                      ///< block column where a row of L starts
+  std::array<Tile, std::size_t(max_tiles) * (max_tiles + 1) / 2> tiles_;  ///< lower triangle, row by row
+  Padded inverse_diagonal_;
 };
 
 }  // namespace plumbline

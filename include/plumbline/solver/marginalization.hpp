@@ -34,6 +34,16 @@ struct Prior {
     for (int k = 0; k < dim(); ++k) r.head(k + 1) += e[k] * J0.col(k).head(k + 1);
     return r;
   }
+
+  /// H <- J0^T J0, its lower triangle. Zeros at the bottom of a column are not multiplied.
+  template <class D>
+  void information(Eigen::MatrixBase<D>& H) const {
+    for (int j = 0; j < dim(); ++j) {
+      int rows = int(J0.rows());
+      while (rows > 0 && J0(rows - 1, j) == 0) --rows;
+      for (int i = j; i < dim(); ++i) H(i, j) = J0.col(i).head(rows).dot(J0.col(j).head(rows));
+    }
+  }
 };
 
 /// Collects rows [J | r] over `dim` columns in any order and folds them into a triangle whenever Chunk of them wait, so

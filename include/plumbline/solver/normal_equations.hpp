@@ -9,8 +9,12 @@
 ///
 /// A Jacobian may have fewer than BlockDim columns: it then belongs to the LEADING parameters of its block (a camera
 /// sees the pose of a block [pose, velocity, biases]).
+///
+/// The step does not depend on the order in which parameters are eliminated, its cost does: see Cholesky.
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/solver/bounded_matrix.hpp"
@@ -30,16 +34,25 @@ class NormalEquations {
   using Scalar = S;
   static constexpr int block_dim = BlockDim, max_blocks = MaxBlocks, max_dim = BlockDim * MaxBlocks;
   using Vector = Eigen::Matrix<S, Eigen::Dynamic, 1, 0, max_dim, 1>;
+  using Order = std::array<std::int16_t, std::size_t(max_dim)>;
+
+  NormalEquations() {
+    for (int k = 0; k < max_dim; ++k) order_[k] = std::int16_t(k);
+  }
 
   /// Zero, for `blocks` active blocks.
   void reset(int blocks) {
-    PLUMBLINE_ASSERT(blocks >= 0 && blocks <= MaxBlocks);
-    blocks_ = blocks;
-    H_.resize(dim(), dim());
+    start(blocks);
     H_.setZero();
-    b_.setZero(dim());
-    sum_rho_ = S(0);
   }
+  /// H starts as what is known already (dim x dim, its lower triangle is read), b as zero.
+  template <class DH>
+  void reset(int blocks, const Eigen::MatrixBase<DH>& H) {
+    start(blocks);
+    for (int j = 0; j < dim(); ++j) H_.col(j).tail(dim() - j) = H.col(j).tail(dim() - j);
+  }
+  /// The parameters in the order in which they are eliminated, the first dim() of them.
+  void set_order(const Order& order) { order_ = order; }
 
   int blocks() const { return blocks_; }
   int dim() const { return blocks_ * BlockDim; }
@@ -74,6 +87,24 @@ class NormalEquations {
     add_gradient<D>(j, b, e.data, R, stride, weight);
   }
 
+  /// H_ij += B, i >= j.
+  template <class D>
+  void add_block(int i, int j, const Eigen::MatrixBase<D>& B) {
+    static_assert(D::RowsAtCompileTime <= BlockDim && D::ColsAtCompileTime <= BlockDim);
+    PLUMBLINE_ASSERT(i >= j && j >= 0 && i < blocks_);
+    H_.template block<D::RowsAtCompileTime, D::ColsAtCompileTime>(i * BlockDim, j * BlockDim) += B;
+  }
+  /// b_i += g.
+  template <class D>
+  void add_gradient(int i, const Eigen::MatrixBase<D>& g) {
+    b_.template segment<D::RowsAtCompileTime>(i * BlockDim) += g;
+  }
+  /// b += g.
+  template <class D>
+  void add_gradient(const Eigen::MatrixBase<D>& g) {
+    b_ += g;
+  }
+
   /// H_ij += weight sum_k a_k b_k^T, i >= j, for rows a_k (C numbers) and b_k (D numbers) that are `stride` apart.
   template <int C, int D>
   void add_product(int i, const S* a, int j, const S* b, int rows, int stride, S weight) {
@@ -97,6 +128,20 @@ class NormalEquations {
       for (int d = 0; d < D; ++d) column(d) += scale(k, d) * row(k);
     }
   }
+  /// H_ij -= a^T b, i >= j, for few rows.
+  template <int R, int C>
+  void subtract_product(int i, const Eigen::Matrix<S, R, C, Eigen::RowMajor>& a, int j,
+                        const Eigen::Matrix<S, R, C, Eigen::RowMajor>& b) {
+    PLUMBLINE_ASSERT(i >= j && j >= 0 && i < blocks_);
+    const int stride = dim();
+    S* column = H_.data() + j * BlockDim * stride + i * BlockDim;
+    for (int d = 0; d < C; ++d, column += stride) {
+      Vec<S, C> sum = b(0, d) * a.row(0).transpose();
+      for (int k = 1; k < R; ++k) sum += b(k, d) * a.row(k).transpose();
+      Eigen::Map<Vec<S, C>> out(column);
+      out -= sum;
+    }
+  }
   /// b_i += weight sum_k a_k r_k.
   template <int C>
   void add_gradient(int i, const S* a, const S* r, int rows, int stride, S weight) {
@@ -104,33 +149,14 @@ class NormalEquations {
     for (int k = 0; k < rows; ++k) segment += (weight * r[k]) * Eigen::Map<const Vec<S, C>>(a + k * stride);
   }
 
-  /// Dense rows (a prior) r = r0 + J0 e over the leading J0.cols() columns: H += J0^T J0, b += J0^T r.
-  /// Zeros at the bottom of a column (an upper triangular J0) are not multiplied.
-  template <class DJ, class Dr, class De>
-  void add_dense(const Eigen::MatrixBase<DJ>& J0, const Eigen::MatrixBase<Dr>& r0, const Eigen::MatrixBase<De>& e) {
-    PLUMBLINE_ASSERT(J0.cols() <= dim() && J0.rows() == r0.size() && J0.cols() == e.size());
-    const int columns = int(J0.cols());
-    Eigen::Matrix<S, Eigen::Dynamic, 1, 0, DJ::MaxRowsAtCompileTime, 1> r = r0.template cast<S>();
-    for (int j = 0; j < columns; ++j) r += S(e[j]) * J0.col(j).template cast<S>();
-    for (int j = 0; j < columns; ++j) {
-      int rows = int(J0.rows());
-      while (rows > 0 && J0(rows - 1, j) == 0) --rows;
-      b_[j] += J0.col(j).head(rows).template cast<S>().dot(r.head(rows));
-      for (int i = j; i < columns; ++i) {
-        H_(i, j) += J0.col(i).head(rows).template cast<S>().dot(J0.col(j).head(rows).template cast<S>());
-      }
-    }
-  }
-  template <class DJ, class Dr>
-  void add_dense(const Eigen::MatrixBase<DJ>& J0, const Eigen::MatrixBase<Dr>& r0) {
-    add_dense(J0, r0, Vector::Zero(J0.cols()));
-  }
-
   /// The step (7). False, and d undefined, when the damped H is not positive definite or anything is not finite.
   bool solve(S mu, Vector& d) const {
-    if (!factor_.compute(H_, mu * scale())) return false;
-    d = -b_;
-    factor_.solve_in_place(d);
+    if (!factorize(mu * scale())) return false;
+    Vector x(dim());
+    for (int k = 0; k < dim(); ++k) x[k] = -b_[order_[k]];
+    factor_.solve_in_place(x);
+    d.resize(dim());
+    for (int k = 0; k < dim(); ++k) d[order_[k]] = x[k];
     return d.allFinite();
   }
 
@@ -139,14 +165,20 @@ class NormalEquations {
     return (mu * scale().cwiseProduct(d.cwiseAbs2()).sum() - d.dot(b_)) / 2;
   }
 
-  /// Block (i, i) of H^-1: the covariance of parameter block i. False when H is singular.
-  bool covariance_block(int i, Mat<S, BlockDim, BlockDim>& covariance) const {
-    if (!factor_.compute(H_, Vector::Zero(dim()))) return false;
-    for (int k = 0; k < BlockDim; ++k) {
-      Vector column = Vector::Unit(dim(), i * BlockDim + k);
-      factor_.solve_in_place(column);
-      covariance.col(k) = column.template segment<BlockDim>(i * BlockDim);
+  /// Covariance of the leading C parameters of block i: their part of H^-1. False when H is singular.
+  template <int C>
+  bool covariance_block(int i, Mat<S, C, C>& covariance) const {
+    static_assert(C <= BlockDim);
+    if (!factorize(Vector::Zero(dim()))) return false;
+    Eigen::Matrix<S, Eigen::Dynamic, C, 0, max_dim, C> Y(dim(), C);  // L^-1 E, the covariance is Y^T Y
+    for (int k = 0; k < dim(); ++k) {
+      const int c = order_[k] - i * BlockDim;
+      if (c < 0 || c >= C) continue;
+      Vector column = Vector::Unit(dim(), k);
+      factor_.forward_in_place(column, k);
+      Y.col(c) = column;
     }
+    covariance = Y.transpose().lazyProduct(Y);
     return covariance.allFinite();
   }
 
@@ -173,12 +205,24 @@ class NormalEquations {
     }
   };
 
+  void start(int blocks) {
+    PLUMBLINE_ASSERT(blocks >= 0 && blocks <= MaxBlocks);
+    blocks_ = blocks;
+    H_.resize(dim(), dim());
+    b_.setZero(dim());
+    sum_rho_ = S(0);
+  }
+
+  bool factorize(const Vector& damping) const {
+    return factor_.compute(H_, damping, [this](int k) { return int(order_[k]); });
+  }
   Vector scale() const {
     return H_.diagonal().unaryExpr([](S x) { return damping_scale(x); });
   }
 
   int blocks_ = 0;
   S sum_rho_ = S(0);
+  Order order_;
   BoundedMatrix<S, max_dim, max_dim> H_;
   Vector b_;
   mutable Cholesky<S, max_dim> factor_;  // scratch: too large for the stack

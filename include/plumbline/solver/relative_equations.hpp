@@ -1,0 +1,93 @@
+#pragma once
+/// Rows that depend on nothing but how one block stands to another one: a camera j that sees what camera a holds.
+///                                                                                   docs/math/solver.md (9a)-(9c)
+///   row   J (d_j - M_ja d_a) + r,  with one M_ja for all rows of the pair (a, j)                            (9a)
+///   G_ja = sum J^T J,  g_ja = sum J^T r                                                                     (9b)
+///   H_jj += G,  H_ja -= G M,  H_aa += M^T G M,  b_j += g,  b_a -= M^T g                                     (9c)
+/// So a row is one Jacobian instead of two, (9b) is a quarter of its products, and M waits until the sums are complete.
+/// A step that moves both blocks alike, d_j = M_ja d_a, changes nothing, whatever the rounding of the rows.
+///
+/// A row of block j alone has the anchor j.
+
+#include <array>
+#include <bitset>
+#include <cstddef>
+
+#include "plumbline/core/assert.hpp"
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/solver/normal_equations.hpp"
+
+namespace plumbline {
+
+template <class S, int BlockDim, int MaxBlocks>
+class RelativeEquations {
+ public:
+  using Scalar = S;
+  using Block = Mat<S, BlockDim, BlockDim>;
+  static constexpr int block_dim = BlockDim, max_blocks = MaxBlocks;
+
+  /// No rows; the transports stay.
+  void reset() { used_.reset(); }
+
+  /// M_ja, a != j.
+  const Block& transport(int a, int j) const { return M_[index(a, j)]; }
+  void set_transport(int a, int j, const Block& M) { M_[index(a, j)] = M; }
+
+  /// (9b) for rows J (R x BlockDim) and r.
+  template <int R, class DJ, class Dr>
+  void add(int a, int j, const Eigen::MatrixBase<DJ>& J, const Eigen::MatrixBase<Dr>& r) {
+    const std::size_t k = index(a, j);
+    if (!used_[k]) {
+      used_.set(k);
+      G_[k].setZero();
+      g_[k].setZero();
+    }
+    const Eigen::Matrix<S, BlockDim, R> columns = J.transpose().template cast<S>();
+    add_lower<0>(columns, G_[k]);
+    for (int n = 0; n < R; ++n) g_[k] += S(r[n]) * columns.col(n);
+  }
+
+  /// (9c)
+  template <int NormalDim>
+  void add_to(NormalEquations<S, NormalDim, MaxBlocks>& normal) const {
+    for (int a = 0; a < MaxBlocks; ++a) {
+      for (int j = 0; j < MaxBlocks; ++j) {
+        const std::size_t k = index(a, j);
+        if (!used_[k]) continue;
+        const Block G = G_[k].template selfadjointView<Eigen::Lower>();
+        normal.add_block(j, j, G);
+        normal.add_gradient(j, g_[k]);
+        if (a == j) continue;
+        const Block GM = G * M_[k], MtGM = M_[k].transpose() * GM;
+        if (j > a) {
+          normal.add_block(j, a, -GM);
+        } else {
+          normal.add_block(a, j, -GM.transpose());
+        }
+        normal.add_block(a, a, MtGM);
+        normal.add_gradient(a, -M_[k].transpose() * g_[k]);
+      }
+    }
+  }
+
+ private:
+  /// G += C C^T from column First on, its lower triangle; two columns at a time.
+  template <int First, int R>
+  static void add_lower(const Eigen::Matrix<S, BlockDim, R>& C, Block& G) {
+    constexpr int n = BlockDim - First, width = n < 2 ? n : 2;
+    G.template block<n, width>(First, First).noalias() +=
+        C.template bottomRows<n>() * C.template middleRows<width>(First).transpose();
+    if constexpr (n > width) add_lower<First + width>(C, G);
+  }
+
+  static constexpr std::size_t index(int a, int j) {
+    PLUMBLINE_ASSERT(a >= 0 && a < MaxBlocks && j >= 0 && j < MaxBlocks);
+    return std::size_t(a) * MaxBlocks + std::size_t(j);
+  }
+
+  std::bitset<std::size_t(MaxBlocks) * MaxBlocks> used_;
+  std::array<Block, std::size_t(MaxBlocks) * MaxBlocks> G_, M_;  ///< of G the lower triangle
+  std::array<Vec<S, BlockDim>, std::size_t(MaxBlocks) * MaxBlocks> g_;
+};
+
+}  // namespace plumbline
