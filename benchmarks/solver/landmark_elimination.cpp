@@ -23,8 +23,8 @@ M random_matrix(Random& random) {
 
 template <class S, int L>
 struct Observation {
-  int anchor, target;
-  Mat<S, rows, 6> J_anchor, J_target;
+  int target;
+  Mat<S, rows, 6> J;
   Mat<S, rows, L> J_l;
   Vec<S, rows> r;
 };
@@ -36,32 +36,40 @@ struct Window {
   std::vector<Observation<S, L>> data;
   std::vector<Landmark> eliminations{landmarks};
   std::unique_ptr<Normal> normal = std::make_unique<Normal>();
+  RelativeEquations<double, 6, blocks> pairs;
 
   Window() {
     Random random(7);
+    for (int a = 0; a < blocks; ++a) {
+      for (int j = 0; j < blocks; ++j) {
+        if (a != j) pairs.set_transport(a, j, random_matrix<Mat<double, 6, 6>>(random));
+      }
+    }
     for (int l = 0; l < landmarks; ++l) {
       for (int k = 0; k < observations; ++k) {
-        const int anchor = l % blocks, target = (anchor + 1 + k % (blocks - 1)) % blocks;
-        data.push_back({anchor, target, random_matrix<Mat<S, rows, 6>>(random), random_matrix<Mat<S, rows, 6>>(random),
+        data.push_back({(l + 1 + k % (blocks - 1)) % blocks, random_matrix<Mat<S, rows, 6>>(random),
                         random_matrix<Mat<S, rows, L>>(random), random_matrix<Vec<S, rows>>(random)});
       }
     }
   }
   void add() {
+    pairs.reset();
     for (int l = 0; l < landmarks; ++l) {
-      eliminations[l].reset();
+      eliminations[l].reset(l % blocks);
       for (int k = 0; k < observations; ++k) {
         const Observation<S, L>& o = data[l * observations + k];
-        eliminations[l].template add<rows>(o.anchor, o.J_anchor, o.target, o.J_target, o.J_l, o.r);
+        eliminations[l].template add<rows>(o.target, o.J, o.J_l, o.r);
       }
+      eliminations[l].add_to(pairs);
     }
   }
   void eliminate() {
-    for (Landmark& landmark : eliminations) benchmark::DoNotOptimize(landmark.eliminate(S(1e-4)));
+    for (Landmark& landmark : eliminations) benchmark::DoNotOptimize(landmark.eliminate(S(1e-4), pairs));
   }
   void accumulate() {
     normal->reset(blocks);
-    for (const Landmark& landmark : eliminations) landmark.add_to(*normal);
+    pairs.add_to(*normal);
+    for (const Landmark& landmark : eliminations) landmark.subtract_from(*normal);
   }
   void solve() {
     typename Normal::Vector d;
@@ -121,7 +129,7 @@ void normal_equations_solve(benchmark::State& state) {
 BENCHMARK_TEMPLATE(normal_equations_solve, 6)->Unit(benchmark::kMicrosecond);
 BENCHMARK_TEMPLATE(normal_equations_solve, 15)->Unit(benchmark::kMicrosecond);
 
-/// A keyframe leaves: the rows of 30 landmarks, then (IMU) rows that couple two states; then a prior into the system.
+/// A keyframe leaves: the rows of 30 landmarks, then (IMU) rows that couple two states.
 template <int NormalDim>
 void marginalize_keyframe(benchmark::State& state) {
   constexpr int dim = NormalDim * blocks;
@@ -138,7 +146,8 @@ void marginalize_keyframe(benchmark::State& state) {
   for (auto _ : state) {
     marginalizer->reset(dim);
     for (int l = 0; l < landmarks; l += 5) {
-      const int rank = window.eliminations[l].reduced_rows(*work, NormalDim), n = window.eliminations[l].rows() - rank;
+      const int rank = window.eliminations[l].reduced_rows(*work, window.pairs, NormalDim),
+                n = window.eliminations[l].rows() - rank;
       marginalizer->add_rows(work->block(rank, 1, n, dim), work->col(dim + 1).segment(rank, n));
     }
     marginalizer->add_rows(J_i, 0, J_j, NormalDim, r);
@@ -149,17 +158,14 @@ BENCHMARK_TEMPLATE(marginalize_keyframe, 6)->Unit(benchmark::kMicrosecond);
 BENCHMARK_TEMPLATE(marginalize_keyframe, 15)->Unit(benchmark::kMicrosecond);
 
 template <int Dim>
-void normal_equations_add_prior(benchmark::State& state) {
-  auto normal = std::make_unique<NormalEquations<double, Dim / blocks, blocks>>();
+void prior_information(benchmark::State& state) {
   Prior<Dim> prior;
   prior.J0 = Eigen::MatrixXd::Random(Dim, Dim).triangularView<Eigen::Upper>().toDenseMatrix();
-  prior.r0 = Prior<Dim>::Vector::Random(Dim);
-  const typename Prior<Dim>::Vector e = Prior<Dim>::Vector::Random(Dim);
-  normal->reset(blocks);
-  for (auto _ : state) normal->add_dense(prior.J0, prior.r0, e);
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(Dim, Dim);
+  for (auto _ : state) prior.information(H);
 }
-BENCHMARK_TEMPLATE(normal_equations_add_prior, 60)->Unit(benchmark::kMicrosecond);
-BENCHMARK_TEMPLATE(normal_equations_add_prior, 150)->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(prior_information, 60)->Unit(benchmark::kMicrosecond);
+BENCHMARK_TEMPLATE(prior_information, 150)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace plumbline
