@@ -57,7 +57,12 @@ struct Window {
     rig.vision.camera = {S(scene.camera.fx), S(scene.camera.fy), S(scene.camera.cx), S(scene.camera.cy), {}};
     rig.vision.width = rig.vision.height = 64;
     scene.scatter(2 * points, {1.0, 0.8, 1.2}, 1);
-    ends.scatter(2 * lines, {0.9, 0.7, 1.0}, 3);
+    ends.scatter(lines, {0.6, 0.4, 1.0}, 3);
+    for (int i = 0; i < lines; ++i) {  // 60 cm long, in all directions
+      const double angle = i;
+      ends.p_world.push_back(ends.p_world[std::size_t(i)] +
+                             Vec<double, 3>(0.5 * std::cos(angle), 0.5 * std::sin(angle), 0.3));
+    }
     testing::Gaussian noise(2);
     const Motion motion;
     std::vector<NavState<S>> starts;
@@ -101,12 +106,12 @@ struct Window {
                       const SE3<double>& T_world_cam, int slot, testing::Gaussian& noise) {
     scene.observe(map, T_world_cam, slot, noise);
   }
-  /// Line i is that through the points 2 i and 2 i + 1; its start is a little off.
+  /// Line i is that through the points i and lines + i; its start is a little off.
   static void observe(LinesMap& map, const testing::SimulatedPoints&, const testing::SimulatedPoints& ends,
                       const SE3<double>& T_world_cam, int slot, testing::Gaussian& noise) {
     const double sigma_px = 0.5, sigma_inverse_depth = 5e-3;
     for (std::size_t i = 0; i < std::size_t(lines); ++i) {
-      const testing::SeenPoint a = ends.see(T_world_cam, 2 * i), b = ends.see(T_world_cam, 2 * i + 1);
+      const testing::SeenPoint a = ends.see(T_world_cam, i), b = ends.see(T_world_cam, std::size_t(lines) + i);
       if (slot == 0) {
         typename LinesMap::Landmark landmark;
         landmark.id = std::uint32_t(i);
