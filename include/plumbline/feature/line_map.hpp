@@ -25,7 +25,7 @@
 #include "plumbline/sensor/line_depth_measurement.hpp"
 #include "plumbline/solver/gauss_newton.hpp"
 #include "plumbline/tracking/edge_map.hpp"
-#include "plumbline/tracking/line_segment_detector.hpp"
+#include "plumbline/tracking/line_detector.hpp"
 #include "plumbline/tracking/line_tracking.hpp"
 
 namespace plumbline {
@@ -43,7 +43,7 @@ struct LineOptions {
   LineTriangulationOptions triangulation;
 };
 
-template <SensorRig Sensors, int Capacity, int Slots>
+template <SensorRig Sensors, int Capacity, int Slots, LineDetector Detector = LineSegmentDetector<>>
 class LineMap {
  public:
   using S = typename Sensors::Scalar;
@@ -364,8 +364,8 @@ class LineMap {
     const ImageView<const std::uint8_t>& image = view.current.level(0);
     if (!has_edges_) has_edges_ = edges_.compute(image, options_.detector.min_gradient);
     if (!has_edges_) return;
-    detector_.detect(edges_, options_.detector, detected_);
-    has_edges_ = false;  // the detector takes their pixels
+    detector_.detect(image, edges_, options_.detector, detected_);
+    has_edges_ = false;  // the detector may have taken their pixels
     segments_.clear();
     for (const Landmark& landmark : landmarks_) {
       if (landmark.current.valid) segments_.push_back(landmark.current.segment);
@@ -395,7 +395,7 @@ class LineMap {
   EdgeMap<decltype(Sensors::vision)::max_pixels> edges_;
   bool has_edges_ = false;  ///< of the current frame, not yet taken by the detector
   LineTracker tracker_;
-  LineSegmentDetector<> detector_;
+  Detector detector_;
   FixedVector<LineSegment, 300> detected_;
   FixedVector<LineSegment, Capacity> segments_;  ///< scratch
   FixedVector<Landmark*, Capacity> order_;

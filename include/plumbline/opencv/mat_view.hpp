@@ -1,6 +1,7 @@
 #pragma once
-/// cv::Mat seen as an ImageView, without a copy. The Mat must outlive the view.
+/// cv::Mat seen as an ImageView and the other way round, without a copy. What owns the pixels must outlive the other.
 
+#include <cstddef>
 #include <type_traits>
 
 #include <opencv2/core/mat.hpp>
@@ -14,6 +15,14 @@ template <class Pixel>
 ImageView<const Pixel> view(const cv::Mat& image) {
   if (image.type() != cv::traits::Type<std::remove_const_t<Pixel>>::value) return {};
   return {image.ptr<Pixel>(), image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step1())};
+}
+
+/// Header of a view, for functions of OpenCV that only read.
+template <class Pixel>
+cv::Mat mat(const ImageView<const Pixel>& image) {
+  if (image.empty()) return {};
+  return {image.height, image.width, cv::traits::Type<Pixel>::value, const_cast<Pixel*>(image.data),
+          static_cast<std::size_t>(image.stride) * sizeof(Pixel)};
 }
 
 }  // namespace plumbline::opencv

@@ -15,6 +15,7 @@
 
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/image/image_view.hpp"
 #include "plumbline/tracking/edge_map.hpp"
 #include "plumbline/tracking/follow_edge.hpp"
 #include "plumbline/tracking/line_fit.hpp"
@@ -48,6 +49,12 @@ class LineSegmentDetector {
     for (const LineSegment& segment : candidates_) {
       if (segment.length() < options.min_length_px || !out.push_back(segment)) break;
     }
+  }
+  /// The same as a LineDetector: the map says all about the image.
+  template <std::size_t MaxPixels, std::size_t N>
+  void detect(const ImageView<const std::uint8_t>&, EdgeMap<MaxPixels>& edges, const LineDetectorOptions& options,
+              FixedVector<LineSegment, N>& out) {
+    detect(edges, options, out);
   }
 
  private:
