@@ -1,9 +1,10 @@
-# The four interface targets. Headers are collected by folder: the folder decides which target, and so which
+# The interface targets. Headers are collected by folder: the folder decides which target, and so which
 # dependencies, a header belongs to. Each header set is verified: every header compiles alone.
 #
 #   plumbline::core      the estimator; Eigen only
 #   plumbline::testing   numeric Jacobians, simulated worlds; Eigen only
 #   plumbline::opencv    cv::Mat views, detectors; OpenCV core, imgproc, imgcodecs
+#   plumbline::lbd       LBD matching of lines; OpenCV's contributed module line_descriptor and plumbline::opencv
 #   plumbline::io        recordings, calibration, trajectories; yaml-cpp and plumbline::opencv
 
 # Every folder of the firmware headers, in the order in which they may include one another: only upwards.
@@ -11,12 +12,16 @@ set(plumbline_core_folders core lie camera geometry imu solver residual image tr
     estimator systems)
 
 function(plumbline_add_target name)
-  cmake_parse_arguments(ARG "" "" "FOLDERS;FILES;LINK" ${ARGN})
-  set(headers ${ARG_FILES})
+  cmake_parse_arguments(ARG "" "" "FOLDERS;FILES;EXCEPT;LINK" ${ARGN})
+  set(headers "")
   foreach(folder IN LISTS ARG_FOLDERS)
     file(GLOB found CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/include/plumbline/${folder}/*.hpp")
     list(APPEND headers ${found})
   endforeach()
+  if(ARG_EXCEPT)
+    list(REMOVE_ITEM headers ${ARG_EXCEPT})
+  endif()
+  list(APPEND headers ${ARG_FILES})
   add_library(plumbline_${name} INTERFACE)
   add_library(plumbline::${name} ALIAS plumbline_${name})
   set_target_properties(plumbline_${name} PROPERTIES EXPORT_NAME ${name}
@@ -35,7 +40,15 @@ plumbline_add_target(testing FOLDERS testing LINK plumbline_core)
 list(APPEND CMAKE_MODULE_PATH "${PROJECT_SOURCE_DIR}/cmake")
 find_package(OpenCVModules QUIET COMPONENTS core imgproc imgcodecs)
 if(OpenCVModules_FOUND)
-  plumbline_add_target(opencv FOLDERS opencv LINK plumbline_core opencv_core opencv_imgproc opencv_imgcodecs)
+  set(lbd_header "${PROJECT_SOURCE_DIR}/include/plumbline/opencv/lbd_matching.hpp")
+  plumbline_add_target(opencv FOLDERS opencv EXCEPT "${lbd_header}"
+    LINK plumbline_core opencv_core opencv_imgproc opencv_imgcodecs)
+  find_package(OpenCVModules QUIET COMPONENTS line_descriptor)
+  if(TARGET opencv_line_descriptor)
+    plumbline_add_target(lbd FILES "${lbd_header}" LINK plumbline_opencv opencv_line_descriptor)
+  else()
+    message(STATUS "OpenCV's line_descriptor not found (Debian: libopencv-contrib-dev): no plumbline::lbd")
+  endif()
 endif()
 
 find_package(yaml-cpp QUIET)

@@ -15,7 +15,11 @@ add_test(NAME package_install COMMAND ${CMAKE_COMMAND} --install "${PROJECT_BINA
   --component development)
 add_consumer_test(package_core "-DCMAKE_PREFIX_PATH=${prefix}" -DCMAKE_DISABLE_FIND_PACKAGE_OpenCVModules=ON
   -DCMAKE_DISABLE_FIND_PACKAGE_yaml-cpp=ON)
-add_consumer_test(package_all "-DCMAKE_PREFIX_PATH=${prefix}" "-DPLUMBLINE_COMPONENTS=core;testing;opencv;io")
+set(components core testing opencv io)
+if(TARGET plumbline_lbd)
+  list(APPEND components lbd)
+endif()
+add_consumer_test(package_all "-DCMAKE_PREFIX_PATH=${prefix}" "-DPLUMBLINE_COMPONENTS=${components}")
 add_consumer_test(package_subdirectory "-DPLUMBLINE_SOURCE=${PROJECT_SOURCE_DIR}")
 set(tests package_core package_all)
 
