@@ -279,7 +279,7 @@ TEST_CASE("line_window_terms: what leaves with a keyframe") {
   Mat<double, 12, 12> information = Mat<double, 12, 12>::Zero();  // on keyframes 1 and 2
   scene.terms->for_each_leaving(2, scene.rig, *scene.map, scene.window, scene.views, [&](const auto& rows) {
     ++tied;
-    REQUIRE(rows.rows() == 8);  // the anchor's and its own
+    REQUIRE(rows.rows() == 6);  // the anchor's pixels and its own pixels and depth
     Eigen::Matrix<double, 30, 4 + 30 + 1> work;
     const int rank = rows.reduced_rows(work, scene.pairs);
     REQUIRE(rank == 4);

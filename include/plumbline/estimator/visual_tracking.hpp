@@ -92,9 +92,10 @@ class VisualTracking {
     return T;
   }
 
-  /// Motion-only estimate, then the same with every landmark aligned with its anchor. False when it is not determined.
+  /// Motion-only estimate, again without the outliers that it found, then with every landmark aligned with its anchor.
+  /// False when it is not determined.
   bool find_motion(const View<Sensors>& view, const PosePrior<S>* prior, SE3<S>& T, Mat<S, 6, 6>& covariance) {
-    if (!refine_motion(view, prior, T, covariance)) return false;
+    if (!refine_motion(view, prior, T, covariance) || !refine_motion(view, prior, T, covariance)) return false;
     features_.for_each([&](auto& map) { map.align(view, backend_.window(), T); });
     return refine_motion(view, prior, T, covariance);
   }

@@ -120,9 +120,9 @@ class LineWindowTerms {
   }
 
   /// Gives `take` what would be lost with the keyframe in `slot`, landmark by landmark: all rows of those anchored in
-  /// it; of the others, which stay, the rows of their observation there and of that in their anchor, with a line of its
-  /// own. That forgets how the observation refined the landmark, but not how it ties the two keyframes together.
-  /// Residuals are those of the current state.
+  /// it; of the others, which stay, the rows of their observation there and of the anchor's pixels, with a line of its
+  /// own. That forgets how the observation refined the landmark, but not how it ties the two keyframes together. The
+  /// anchor's depth stays with the landmark: it must not count twice. Residuals are those of the current state.
   void for_each_leaving(int slot, const Sensors&, const Map& map, const Window& window, const Views& views,
                         auto&& take) {
     for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
@@ -134,7 +134,9 @@ class LineWindowTerms {
         if (!landmark.observations[slot].valid) continue;
         const LineInAnchor line(landmark.line);
         eliminations_[i].reset(landmark.anchor);
-        add_view(landmark, line, landmark.anchor, views, eliminations_[i]);
+        const SegmentObservation<S>& seen = landmark.seen_by_anchor();
+        const Vec<S, 2> r = seen.pixels_L * seen.pixels.residual(line.plucker);
+        add_measurement(landmark, line, landmark.anchor, views, seen.pixels, seen.pixels_L, r, eliminations_[i]);
         add_view(landmark, line, slot, views, eliminations_[i]);
       }
       if (eliminations_[i].rows() > 0) take(std::as_const(eliminations_[i]));
