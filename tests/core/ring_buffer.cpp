@@ -32,7 +32,14 @@ TEST_CASE("ring_buffer: behaves as a deque cut to its capacity") {
   RingBuffer<int, 7> buffer;
   std::deque<int> reference;
   for (int i = 0; i < 5000; ++i) {
-    if (random.below(3) > 0 || reference.empty()) {
+    const auto what = random.below(4);
+    const std::size_t place = random.below(reference.size() + 1);
+    if (what == 0 && (place > 0 || reference.size() < 7)) {
+      const std::size_t at = buffer.insert(place, i);
+      reference.insert(reference.begin() + std::ptrdiff_t(place), i);
+      if (reference.size() > 7) reference.pop_front();
+      REQUIRE(buffer[at] == i);
+    } else if (what < 3 || reference.empty()) {
       buffer.push_back(i);
       reference.push_back(i);
       if (reference.size() > 7) reference.pop_front();

@@ -11,6 +11,7 @@
 #include "catch.hpp"
 #include "plumbline/backend/sliding_window.hpp"
 #include "plumbline/camera/any_camera.hpp"
+#include "plumbline/core/random.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/points.hpp"
 #include "plumbline/io/make_camera.hpp"
@@ -43,6 +44,7 @@ struct Trouble {
   std::function<bool(double t, cv::Mat&)> image = [](double, cv::Mat&) { return true; };
   SE3<double> T_cam_wrong;    ///< turns the camera's extrinsics
   double camera_clock_s = 0;  ///< added to the time of every image
+  std::size_t shuffled = 1;   ///< so many readings come together, in any order
   double duration_s = 14;
 };
 
@@ -67,18 +69,27 @@ struct Flight {
       return frame.t_ns + static_cast<TimeNs>(trouble.camera_clock_s * 1e9);
     };
     std::deque<io::FrameSample> waiting;  // for the readings up to their time
+    constexpr TimeNs patience_ns = 30'000'000;
     TimeNs read_until = 0;
+    Random random(1);
+    std::vector<ImuSample> together;
     io::Recording::Sample sample;
     while (recording.next(sample)) {
       if (const ImuSample* reading = std::get_if<ImuSample>(&sample)) {
         read_until = reading->t_ns;
         ImuSample changed = *reading;
-        if (trouble.imu(seconds_between(start, reading->t_ns), changed)) (void)vio->add_imu(changed);
+        if (trouble.imu(seconds_between(start, reading->t_ns), changed)) together.push_back(changed);
+        if (together.size() >= trouble.shuffled) {
+          for (std::uint32_t i = std::uint32_t(together.size()); i > 1; --i)
+            std::swap(together[i - 1], together[random.below(i)]);
+          for (const ImuSample& each : together) (void)vio->add_imu(each);
+          together.clear();
+        }
       } else {
         waiting.push_back(std::get<io::FrameSample>(sample));
         if (seconds_between(start, waiting.back().t_ns) > trouble.duration_s) break;
       }
-      for (; !waiting.empty() && shown_at(waiting.front()) <= read_until; waiting.pop_front()) {
+      for (; !waiting.empty() && shown_at(waiting.front()) + patience_ns <= read_until; waiting.pop_front()) {
         cv::Mat image = opencv::read_gray(waiting.front().image);
         if (!trouble.image(seconds_between(start, waiting.front().t_ns), image)) continue;
         const Result<Estimate<double>> estimate =
@@ -168,21 +179,45 @@ TEST_CASE("inertial_estimator: two seconds of black images are bridged, and said
   REQUIRE(whole < 0.4);
 }
 
+TEST_CASE("inertial_estimator: readings out of order, all before their frame, change nothing") {
+  if (no_data()) return;
+  Trouble trouble;
+  trouble.duration_s = 5;
+  const Flight in_order(trouble);
+  trouble.shuffled = 5;
+  const Flight run(trouble);
+  REQUIRE(in_order.counts.reordered == 0);
+  REQUIRE((run.counts.reordered > 300 && run.counts.late == 0 && run.counts.repeated == 0));
+  REQUIRE(run.init.stage == InitStage::done);
+  REQUIRE(run.estimates.size() == in_order.estimates.size());
+  for (std::size_t k = 0; k < run.estimates.size(); ++k) {
+    REQUIRE(run.estimates[k].T_world_body.R() == in_order.estimates[k].T_world_body.R());
+    REQUIRE(run.estimates[k].T_world_body.p() == in_order.estimates[k].T_world_body.p());
+    REQUIRE(run.estimates[k].covariance == in_order.estimates[k].covariance);
+  }
+}
+
 TEST_CASE("inertial_estimator: readings that are missing, repeated, late, NaN or saturated") {
   if (no_data()) return;
-  const int kind = GENERATE(0, 1, 2, 3);
+  const int kind = GENERATE(0, 1, 2, 3, 4);
   Trouble trouble;
-  ImuSample held;
-  trouble.imu = [kind, &held](double t, ImuSample& reading) {
+  int count = 0;
+  TimeNs before = 0;
+  trouble.imu = [kind, &count, &before](double t, ImuSample& reading) {
+    const bool third = ++count % 3 == 0;
     if (kind == 0) return !during(t, 6, 6.2);
-    if (kind == 1 && during(t, 6, 7) && reading.t_ns % 15'000'000 == 0) reading.t_ns -= 5'000'000;  // repeats a time
+    if (kind == 1 && during(t, 6, 7) && third) reading.t_ns = before;        // repeats a time
+    if (kind == 4 && during(t, 6, 7) && third) reading.t_ns -= 163'000'000;  // as if it came long after its frame
+    before = reading.t_ns;
     if (kind == 2 && during(t, 6, 6.1)) reading.accel.setConstant(std::nan(""));
     if (kind == 3 && during(t, 6, 6.3)) reading.gyro.x() = 1e3, reading.accel.y() = -1e3;
     return true;
   };
   const Flight run(trouble);
   const double after = run.ate(7.5, 14), whole = run.ate(0, 14);
-  CAPTURE(kind, after, whole, run.counts.late, run.counts.not_finite, run.counts.saturated);
+  CAPTURE(kind, after, whole, run.counts.late, run.counts.repeated, run.counts.not_finite, run.counts.saturated);
+  if (kind == 1) REQUIRE(run.counts.repeated > 60);
+  REQUIRE((kind == 4 ? run.counts.late > 60 : run.counts.late == 0));
   if (kind == 2) REQUIRE(run.counts.not_finite > 10);
   if (kind == 3) REQUIRE(run.counts.saturated > 50);
   REQUIRE(run.part(HealthState::tracking, 8, 14) > 0.95);

@@ -5,6 +5,7 @@
 
 #include "catch.hpp"
 #include "imu/random_motion.hpp"
+#include "plumbline/core/random.hpp"
 
 using namespace plumbline;
 
@@ -81,7 +82,7 @@ TEST_CASE("imu_buffer: nothing to give") {
   REQUIRE(!extract(buffer, t0 + 2 * ms, t0 + ms).coverage.valid);
 }
 
-TEST_CASE("imu_buffer: refuses NaN, repeats and late samples, and goes on") {
+TEST_CASE("imu_buffer: refuses NaN and repeated times, and goes on") {
   ImuBuffer<64> buffer = filled(10 * ms);
   ImuSample bad = linear(t0 + 15 * ms);
   bad.accel.y() = std::numeric_limits<double>::quiet_NaN();
@@ -89,10 +90,62 @@ TEST_CASE("imu_buffer: refuses NaN, repeats and late samples, and goes on") {
   bad.accel.y() = std::numeric_limits<double>::infinity();
   REQUIRE(buffer.add(bad).error() == Error::not_finite);
   REQUIRE(buffer.add(linear(t0 + 10 * ms)).error() == Error::late_sample);
-  REQUIRE(buffer.add(linear(t0 + 7 * ms)).error() == Error::late_sample);
+  REQUIRE(buffer.add(linear(t0 + 5 * ms)).error() == Error::late_sample);
   REQUIRE(buffer.add(linear(t0 + 15 * ms)));
-  REQUIRE((buffer.counts().accepted == 4 && buffer.counts().late == 2 && buffer.counts().not_finite == 2));
+  REQUIRE((buffer.counts().accepted == 4 && buffer.counts().repeated == 2 && buffer.counts().not_finite == 2));
+  REQUIRE((buffer.counts().late == 0 && buffer.counts().reordered == 0));
   REQUIRE(extract(buffer, t0, t0 + 15 * ms).intervals.size() == 3);
+}
+
+TEST_CASE("imu_buffer: samples in any order between two frames are those in order") {
+  Random random(3);
+  ImuBufferOptions options;
+  options.frozen_samples = 4;
+  ImuBuffer<64> in_order(options), shuffled(options);
+  constexpr int n = 200, together = 5;  // more than the buffer holds
+  std::vector<ImuSample> samples;
+  for (int k = 0; k < n; ++k) {
+    samples.push_back({t0 + k * 5 * ms, {random.uniform(), 0, 0}, {0, 0, random.uniform()}});
+    if (k % 20 > 10) samples.back() = {samples.back().t_ns, samples[k - 1].gyro, samples[k - 1].accel};  // frozen
+  }
+  for (int k = 0; k < n; k += together) {
+    std::vector<ImuSample> some(samples.begin() + k, samples.begin() + k + together);
+    for (const ImuSample& s : some) REQUIRE(in_order.add(s));
+    for (std::uint32_t i = together; i > 1; --i) std::swap(some[i - 1], some[random.below(i)]);
+    for (const ImuSample& s : some) REQUIRE(shuffled.add(s));
+    if (k < 2 * together) continue;
+    const TimeNs end = samples[k].t_ns + 2 * ms, begin = end - 25 * ms;
+    const Extracted a = extract(in_order, begin, end), b = extract(shuffled, begin, end);
+    in_order.mark_used(end);
+    shuffled.mark_used(end);
+    REQUIRE((a.intervals.size() == b.intervals.size() && a.coverage.frozen_s == b.coverage.frozen_s));
+    for (std::size_t i = 0; i < a.intervals.size(); ++i) {
+      const ImuInterval<double>&x = a.intervals[i], &y = b.intervals[i];
+      REQUIRE((x.dt == y.dt && x.gyro_begin == y.gyro_begin && x.accel_end == y.accel_end));
+      REQUIRE((x.gyro_sigma == y.gyro_sigma && x.accel_sigma == y.accel_sigma));
+    }
+  }
+  REQUIRE(shuffled.counts().reordered > n / 4);
+  REQUIRE((shuffled.counts().accepted == n && shuffled.counts().late == 0 && in_order.counts().reordered == 0));
+}
+
+TEST_CASE("imu_buffer: what comes after the frame that needed it is late") {
+  ImuBuffer<64> buffer = filled(20 * ms);
+  buffer.mark_used(t0 + 17 * ms);
+  REQUIRE(buffer.add(linear(t0 + 16 * ms)).error() == Error::late_sample);
+  REQUIRE(buffer.add(linear(t0 + 17 * ms)).error() == Error::late_sample);
+  REQUIRE(buffer.add(linear(t0 + 18 * ms)));
+  REQUIRE((buffer.counts().late == 2 && buffer.counts().reordered == 1 && buffer.size() == 6));
+  buffer.mark_used(t0 + 30 * ms);  // a frame that did not wait: in order they still serve the next one
+  REQUIRE(buffer.add(linear(t0 + 25 * ms)));
+  REQUIRE((buffer.counts().late == 3 && buffer.size() == 7));
+  REQUIRE(buffer.add(linear(t0 - 5000 * ms))->clock_jumped);  // another clock, of which nothing was used
+  REQUIRE((buffer.add(linear(t0 - 5001 * ms)) && buffer.counts().late == 3));
+
+  ImuBuffer<4> small;
+  for (int k = 1; k <= 4; ++k) REQUIRE(small.add(linear(t0 + k * 5 * ms)));
+  REQUIRE(small.add(linear(t0)).error() == Error::late_sample);  // older than all that there is room for
+  REQUIRE((small.add(linear(t0 + 6 * ms)) && small.size() == 4 && small[0].t_ns == t0 + 6 * ms));
 }
 
 TEST_CASE("imu_buffer: a clock that was set starts anew, also after absurd time stamps") {

@@ -1,5 +1,5 @@
 #pragma once
-/// The last `Capacity` items pushed, oldest first; pushing on a full buffer forgets the oldest.
+/// The last `Capacity` items, oldest first; one more in a full buffer makes it forget the oldest.
 
 #include <array>
 #include <cstddef>
@@ -28,6 +28,17 @@ class RingBuffer {
     } else {
       ++size_;
     }
+  }
+
+  /// Before item i, or behind all of them for i = size(); a full buffer has no room before its oldest. Returns the
+  /// index of the new item.
+  std::size_t insert(std::size_t i, T value) {
+    PLUMBLINE_ASSERT(i <= size_ && !(full() && i == 0));
+    const std::size_t at = full() ? i - 1 : i;
+    push_back(value);
+    for (std::size_t k = size_ - 1; k > at; --k) (*this)[k] = std::move((*this)[k - 1]);
+    (*this)[at] = std::move(value);
+    return at;
   }
 
   void pop_front() {

@@ -35,7 +35,8 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
         since_frame_(noise_),
         since_keyframe_(noise_) {}
 
-  /// One reading, in order of time and before the frames that it belongs to. Errors as in ImuBuffer.
+  /// One reading, before the frame that comes after it. Between two frames the order does not matter. Errors as in
+  /// ImuBuffer.
   Result<typename ImuBuffer<>::Accepted> add_imu(const ImuSample& sample) { return imu_.add(sample); }
 
   /// Uses one frame; its pixels are not needed after the call. An error leaves the estimator as it was.
@@ -99,6 +100,7 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     coverage_ = imu_.for_each_interval(
         imu_time(estimate_.t_ns), imu_time(t_ns),
         [&](const ImuInterval<double>& interval) { since_frame_.add(interval.template cast<S>()); });
+    imu_.mark_used(imu_time(t_ns));
     since_keyframe_.append(since_frame_);
     S duration = since_frame_.increment().duration;
     if (!(duration > S(0))) duration = S(seconds_between(estimate_.t_ns, t_ns));

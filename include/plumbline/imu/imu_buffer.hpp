@@ -3,7 +3,9 @@
 ///
 /// What arrives:
 ///   not finite, no possible time        refused (Error::not_finite): NaN, or more than 126 years from the clock's zero
-///   repeated or late time stamp         refused (Error::late_sample): not after the newest sample
+///   older than the newest sample        sorted in, as long as no frame has used its time (mark_used); else refused
+///                                       (Error::late_sample)
+///   repeated time stamp                 refused (Error::late_sample)
 ///   a jump of more than `max_jump_s`    the clock was set, forward or back: the buffer starts anew with this sample
 ///   beyond full scale                   clipped to it, marked saturated
 ///   the same six numbers over and over  marked frozen from `frozen_samples` repetitions on
@@ -17,6 +19,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "plumbline/core/assert.hpp"
 #include "plumbline/core/matrix.hpp"
@@ -54,7 +57,10 @@ struct ImuCoverage {
 
 /// Counts since the start.
 struct ImuCounts {
-  std::int64_t accepted = 0, not_finite = 0, late = 0, clock_jumps = 0, saturated = 0, frozen = 0;
+  std::int64_t accepted = 0, not_finite = 0, clock_jumps = 0, saturated = 0, frozen = 0;
+  std::int64_t reordered = 0;  ///< sorted in
+  std::int64_t repeated = 0;   ///< refused: there is a sample of that time
+  std::int64_t late = 0;       ///< of a time that a frame had used: refused, but for the newest of all
 };
 
 template <std::size_t Capacity = 512>
@@ -69,7 +75,12 @@ class ImuBuffer {
   explicit ImuBuffer(const ImuBufferOptions& options) : options_(options) {}
 
   Result<Accepted> add(const ImuSample& sample);
-  void clear() { items_.clear(); }
+  void clear() {
+    items_.clear();
+    used_ns_ = never_used;
+  }
+  /// Readings up to that time have been integrated: what still comes for it is late.
+  void mark_used(TimeNs t_ns) { used_ns_ = t_ns; }
 
   bool empty() const { return items_.empty(); }
   std::size_t size() const { return items_.size(); }
@@ -106,10 +117,25 @@ class ImuBuffer {
     TimeNs live_ns;  ///< when they came first
   };
 
+  static constexpr TimeNs never_used = std::numeric_limits<TimeNs>::min();
+
   bool frozen(const Item& item) const { return item.repeated >= options_.frozen_samples; }
+
+  /// How often the numbers of item i were there before it.
+  void count_repetitions(std::size_t i) {
+    Item& item = items_[i];
+    item.repeated = 0;
+    item.live_ns = item.sample.t_ns;
+    if (i == 0) return;
+    const Item& before = items_[i - 1];
+    if (item.sample.gyro != before.sample.gyro || item.sample.accel != before.sample.accel) return;
+    item.repeated = std::min(before.repeated + 1, options_.frozen_samples);
+    item.live_ns = before.live_ns;
+  }
 
   ImuBufferOptions options_;
   RingBuffer<Item, Capacity> items_;
+  TimeNs used_ns_ = never_used;
   ImuCounts counts_;
 };
 
@@ -125,24 +151,26 @@ Result<typename ImuBuffer<Capacity>::Accepted> ImuBuffer<Capacity>::add(const Im
   if (!empty()) {
     const double step_s = seconds_between(items_.back().sample.t_ns, sample.t_ns);
     out.clock_jumped = !(std::abs(step_s) <= options_.max_jump_s);
-    if (!out.clock_jumped && !(step_s > 0)) {
-      ++counts_.late;
-      return Error::late_sample;
-    }
-    if (out.clock_jumped) items_.clear();
+    if (out.clock_jumped) clear();
   }
+  const std::size_t place = first_after(sample.t_ns);
+  if (place > 0 && items_[place - 1].sample.t_ns == sample.t_ns) {
+    ++counts_.repeated;
+    return Error::late_sample;
+  }
+  const bool newest = place == size(), late = sample.t_ns <= used_ns_ || (place == 0 && items_.full());
+  counts_.late += late;
+  if (late && !newest) return Error::late_sample;
   const double w = options_.gyro_full_scale, a = options_.accel_full_scale;
   Item item{sample, sample.gyro.cwiseAbs().maxCoeff() >= w || sample.accel.cwiseAbs().maxCoeff() >= a, 0, sample.t_ns};
   item.sample.gyro = sample.gyro.cwiseMax(-w).cwiseMin(w);
   item.sample.accel = sample.accel.cwiseMax(-a).cwiseMin(a);
-  if (!empty() && item.sample.gyro == items_.back().sample.gyro && item.sample.accel == items_.back().sample.accel) {
-    item.repeated = std::min(items_.back().repeated + 1, options_.frozen_samples);
-    item.live_ns = items_.back().live_ns;
-  }
+  const std::size_t at = items_.insert(place, item);
+  for (std::size_t i = at; i < size(); ++i) count_repetitions(i);
   out.saturated = item.saturated;
-  out.frozen = frozen(item);
-  items_.push_back(item);
+  out.frozen = frozen(items_[at]);
   ++counts_.accepted;
+  counts_.reordered += !newest;
   counts_.clock_jumps += out.clock_jumped;
   counts_.saturated += out.saturated;
   counts_.frozen += out.frozen;
