@@ -30,6 +30,7 @@ int main(int argc, char** argv) try {
   sensors.vision.depth.units_per_metre = calibration.depth_scale;
   sensors.imu.T_body_cam = *calibration.T_body_camera;
   sensors.imu.noise = *calibration.imu;
+  sensors.imu.limits = calibration.imu_limits;
   const auto vio = std::make_unique<Vio>(sensors);  // the only memory it will ever use
 
   for (pl::io::Recording::Sample sample; recording.next(sample);) {  // readings and frames in order of time

@@ -37,6 +37,7 @@ Sensors make_sensors(const plumbline::io::Calibration& calibration) {
   if (camera.readout_s) sensors.vision.readout = {static_cast<S>(*camera.readout_s), S(0)};
   if constexpr (Sensors::has_imu) {
     sensors.imu.T_body_cam = calibration.T_body_camera.value();
+    sensors.imu.limits = calibration.imu_limits;
     sensors.imu.noise = calibration.imu.value();  // no time offset: a recording's frames are on the IMU's clock
   }
   return sensors;

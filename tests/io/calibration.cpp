@@ -132,6 +132,21 @@ TEST_CASE("calibration: the plain format") {
   REQUIRE((c.imu->accel_density == 3e-3 && c.imu->accel_walk == 4e-3 && c.imu->rate_hz == 200));
 }
 
+TEST_CASE("calibration: stated full scales of the IMU, and the usual ones") {
+  const ImuBufferOptions usual;
+  REQUIRE((read(plain).imu_limits.gyro_full_scale == usual.gyro_full_scale &&
+           read(plain).imu_limits.accel_full_scale == usual.accel_full_scale));
+  const std::string stated = "gyroscope_full_scale: 8.73\naccelerometer_full_scale: 39.2\n";
+  const auto small = [](const Calibration& c) {
+    return c.imu_limits.gyro_full_scale == 8.73 && c.imu_limits.accel_full_scale == 39.2;
+  };
+  REQUIRE(small(read(plain + "  gyroscope_full_scale: 8.73\n  accelerometer_full_scale: 39.2\n")));
+  const TemporaryDirectory directory;
+  const auto camera = directory.write("camchain.yaml", kalibr);
+  REQUIRE(small(read_calibration(camera, directory.write("imu.yaml", kalibr_imu + stated))));
+  require_error(plain + "  gyroscope_full_scale: 0\n", 21, "imu.gyroscope_full_scale must be positive");
+}
+
 TEST_CASE("calibration: a stated readout time, and none") {
   REQUIRE(!read(plain).camera.readout_s);
   REQUIRE(*read(replaced(plain, "rate_hz: 30", "readout_s: 0.026")).camera.readout_s == 0.026);

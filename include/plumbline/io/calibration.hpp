@@ -30,7 +30,7 @@ inline Calibration read_calibration(const std::filesystem::path& file) {
 /// give the transform between the two.
 inline Calibration read_calibration(const std::filesystem::path& camera_file, const std::filesystem::path& imu_file) {
   Calibration out = read_calibration(camera_file);
-  out.imu = detail::read_imu(YamlMap(imu_file));
+  detail::read_imu(YamlMap(imu_file), out);
   if (!out.T_body_camera)
     throw ReadError(camera_file, 0, "no transform between camera and IMU (T_body_camera, T_cam_imu or T_BS)");
   return out;

@@ -94,13 +94,16 @@ inline void set_resolution(CameraCalibration& camera, const YamlMap& map, const 
   camera.height = static_cast<int>(size[1]);
 }
 
-/// The four noise densities; `rate_key` differs between the formats.
-inline ImuNoise imu_noise(const YamlMap& map, const char* rate_key) {
-  return {.gyro_density = map.positive("gyroscope_noise_density"),
-          .accel_density = map.positive("accelerometer_noise_density"),
-          .gyro_walk = map.positive("gyroscope_random_walk"),
-          .accel_walk = map.positive("accelerometer_random_walk"),
-          .rate_hz = map.positive(rate_key)};
+/// The four noise densities and, where stated, the full scales; `rate_key` differs between the formats.
+inline void set_imu(Calibration& out, const YamlMap& map, const char* rate_key) {
+  out.imu = ImuNoise{.gyro_density = map.positive("gyroscope_noise_density"),
+                     .accel_density = map.positive("accelerometer_noise_density"),
+                     .gyro_walk = map.positive("gyroscope_random_walk"),
+                     .accel_walk = map.positive("accelerometer_random_walk"),
+                     .rate_hz = map.positive(rate_key)};
+  ImuBufferOptions& limits = out.imu_limits;
+  limits.gyro_full_scale = map.positive_or("gyroscope_full_scale", limits.gyro_full_scale);
+  limits.accel_full_scale = map.positive_or("accelerometer_full_scale", limits.accel_full_scale);
 }
 
 }  // namespace plumbline::io::detail

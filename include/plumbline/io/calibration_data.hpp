@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/imu/imu_buffer.hpp"
 #include "plumbline/imu/noise.hpp"
 #include "plumbline/lie/se3.hpp"
 
@@ -24,6 +25,7 @@ struct Calibration {
   CameraCalibration camera;
   std::optional<SE3<double>> T_body_camera;  ///< camera into body (= IMU) coordinates
   std::optional<ImuNoise> imu;
+  ImuBufferOptions imu_limits;      ///< full scales, where stated
   double depth_scale = 0;           ///< raw depth units per metre; 0: no depth
   double camera_time_offset_s = 0;  ///< time of the IMU's clock = time stamp of the image + offset
 };

@@ -14,9 +14,8 @@ namespace plumbline::io::detail {
 inline Calibration read_plain(const YamlMap& root) {
   root.allow_only({"camera", "depth", "T_body_camera", "imu"});
   const YamlMap map = root.map("camera");
-  map.allow_only(
-      {"model", "intrinsics", "distortion", "distortion_coefficients", "resolution", "rate_hz", "time_offset_s",
-       "readout_s"});
+  map.allow_only({"model", "intrinsics", "distortion", "distortion_coefficients", "resolution", "rate_hz",
+                  "time_offset_s", "readout_s"});
   Calibration out;
   CameraCalibration& camera = out.camera;
   camera.model = map.text("model");
@@ -43,8 +42,8 @@ inline Calibration read_plain(const YamlMap& root) {
   if (root.has("imu")) {
     const YamlMap imu = root.map("imu");
     imu.allow_only({"rate_hz", "gyroscope_noise_density", "gyroscope_random_walk", "accelerometer_noise_density",
-                    "accelerometer_random_walk"});
-    out.imu = imu_noise(imu, "rate_hz");
+                    "accelerometer_random_walk", "gyroscope_full_scale", "accelerometer_full_scale"});
+    set_imu(out, imu, "rate_hz");
   }
   if (root.has("T_body_camera") || out.imu) out.T_body_camera = rigid_transform(root, "T_body_camera");
   return out;
@@ -123,21 +122,21 @@ inline Calibration read_opencv(const YamlMap& root) {
   check_projection(camera, root, "camera_matrix", "image_width");
   check_distortion(camera, root, "distortion_coefficients");
   out.depth_scale = root.positive_or("depth_scale", 0);
-  if (root.has("imu")) out.imu = imu_noise(root.map("imu"), "rate_hz");
+  if (root.has("imu")) set_imu(out, root.map("imu"), "rate_hz");
   if (root.has("T_body_camera") || out.imu) out.T_body_camera = rigid_transform(root, "T_body_camera");
   return out;
 }
 
 /// Kalibr imu.yaml (bare, or under `imu0`) or EuRoC imu0/sensor.yaml.
-inline ImuNoise read_imu(const YamlMap& root) {
+inline void read_imu(const YamlMap& root, Calibration& out) {
   const YamlMap map = root.has("imu0") ? root.map("imu0") : root;
   map.allow_only({"gyroscope_noise_density", "gyroscope_random_walk", "accelerometer_noise_density",
-                  "accelerometer_random_walk", "rate_hz", "update_rate", "rostopic", "sensor_type", "comment", "T_BS",
-                  "T_i_b", "model", "time_offset"});
+                  "accelerometer_random_walk", "gyroscope_full_scale", "accelerometer_full_scale", "rate_hz",
+                  "update_rate", "rostopic", "sensor_type", "comment", "T_BS", "T_i_b", "model", "time_offset"});
   for (const char* key : {"T_BS", "T_i_b"})
     if (map.has(key) && rigid_transform(map, key).log().norm() > 1e-6)
       map.fail(key, "must be the identity: the IMU's frame is the body's");
-  return imu_noise(map, map.has("update_rate") ? "update_rate" : "rate_hz");
+  set_imu(out, map, map.has("update_rate") ? "update_rate" : "rate_hz");
 }
 
 }  // namespace plumbline::io::detail

@@ -86,7 +86,7 @@ inline Recording Recording::open(const std::filesystem::path& directory, const O
     throw ReadError(calibration, 0, "no such file: the recording has no calibration of its own, name one");
   out.calibration_ = read_calibration(calibration);
   if (!out.calibration_.imu && files.imu_calibration)
-    out.calibration_.imu = detail::read_imu(YamlMap(*files.imu_calibration));
+    detail::read_imu(YamlMap(*files.imu_calibration), out.calibration_);
 
   if (out.has_imu())  // frames on the IMU's clock
     for (FrameSample& frame : files.frames) frame.t_ns += std::llround(out.calibration_.camera_time_offset_s * 1e9);
