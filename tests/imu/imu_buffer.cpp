@@ -1,5 +1,6 @@
 #include "plumbline/imu/imu_buffer.hpp"
 
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -167,8 +168,8 @@ TEST_CASE("imu_buffer: interpolates over a gap, and says so") {
   const Extracted e = extract(buffer, t0 + 40 * ms, t0 + 100 * ms);
   REQUIRE(e.intervals.size() == 3);  // 40 - 45 - 50 - 100
   REQUIRE((e.intervals[2].gyro_end - linear(t0 + 100 * ms).gyro).norm() < 1e-12);
-  REQUIRE((e.intervals[1].gyro_sigma == 0 && e.intervals[2].gyro_sigma == Approx(10 * 0.1 / 2)));
-  REQUIRE(e.intervals[2].accel_sigma == Approx(50 * 0.1 / 2));
+  REQUIRE((e.intervals[1].gyro_sigma == 0 && e.intervals[2].gyro_sigma == Approx(10 * 0.1 / 2 * std::sqrt(2.0))));
+  REQUIRE(e.intervals[2].accel_sigma == Approx(50 * 0.1 / 2 * std::sqrt(2.0)));  // half of it
   REQUIRE((e.coverage.gap_s == Approx(0.05) && e.coverage.missing() == Approx(5.0 / 6)));
   REQUIRE(extract(filled(200 * ms, 50 * ms, 70 * ms), t0, t0 + 200 * ms).coverage.gap_s == 0);  // 20 ms: no gap
 }
@@ -186,22 +187,44 @@ TEST_CASE("imu_buffer: holds the nearest sample outside of its samples") {
   REQUIRE(early.intervals[0].accel_sigma == Approx(50 * 0.03 / 2));
   REQUIRE(early.coverage.held_s == Approx(0.03));
   REQUIRE(extract(buffer, t0 - 30 * ms, t0 - 10 * ms).coverage.missing() == 1);
-  REQUIRE(extract(buffer, t0 + 30 * ms, t0 + 40 * ms).intervals[0].gyro_sigma == Approx(10 * 0.02 / 2));
+  REQUIRE(extract(buffer, t0 + 30 * ms, t0 + 40 * ms).intervals[0].gyro_sigma ==
+          Approx(10 * 0.02 / 2 * std::sqrt(2.0)));
   REQUIRE(extract(buffer, t0 - 30 * ms, t0 + 40 * ms).intervals.size() == 6);
 }
 
-TEST_CASE("imu_buffer: saturated readings are clipped and doubted") {
-  ImuBuffer<64> buffer({.gyro_full_scale = 4, .accel_full_scale = 80});
-  for (int k = 0; k <= 4; ++k) {
+TEST_CASE("imu_buffer: saturated readings are clipped and doubted, each sensor by itself") {
+  ImuBufferOptions options;
+  options.gyro_full_scale = 4;
+  options.accel_full_scale = 80;
+  ImuBuffer<64> buffer(options);
+  for (int k = 0; k <= 8; ++k) {
     ImuSample s = linear(t0 + k * 5 * ms);
-    if (k == 2) s.accel.x() = -1e9;
-    REQUIRE(buffer.add(s)->saturated == (k == 2));
+    if (k >= 2 && k <= 4) s.accel.x() = -1e9;
+    if (k == 6) s.gyro.y() = 0.997 * 4;  // the largest number that a sensor gives, less its bias
+    REQUIRE(buffer.add(s)->saturated == ((k >= 2 && k <= 4) || k == 6));
   }
-  const Extracted e = extract(buffer, t0, t0 + 20 * ms);
-  REQUIRE(e.coverage.saturated_s == Approx(0.01));
-  REQUIRE((e.intervals[1].accel_end.x() == -80 && e.intervals[1].accel_sigma == 80 && e.intervals[1].gyro_sigma == 4));
-  REQUIRE((e.intervals[0].accel_sigma == 0 && e.intervals[3].accel_sigma == 0));
-  REQUIRE(buffer.counts().saturated == 1);
+  const Extracted e = extract(buffer, t0, t0 + 40 * ms);
+  REQUIRE((e.coverage.saturated_s == Approx(0.03) && e.coverage.gyro_saturated_s == Approx(0.01)));
+  REQUIRE((e.intervals[1].accel_end.x() == -80 && e.intervals[1].gyro_sigma == 0));
+  for (int k = 0; k < 8; ++k) {                  // the interval from sample k to the next
+    const int blind = k >= 1 && k <= 4 ? k : 0;  // intervals at the rail so far
+    REQUIRE(e.intervals[k].accel_sigma == Approx(80 * std::sqrt(blind)).epsilon(1e-6));
+  }
+  REQUIRE((e.intervals[4].gyro_sigma == 0 && e.intervals[5].gyro_sigma == Approx(4)));
+  REQUIRE((e.intervals[6].gyro_sigma == Approx(4 * std::sqrt(2.0)) && e.intervals[7].gyro_sigma == 0));
+  REQUIRE(buffer.counts().saturated == 4);
+}
+
+TEST_CASE("imu_buffer: one error for all of a gap, wherever it is cut") {
+  const ImuBuffer<64> buffer = filled(200 * ms, 50 * ms, 150 * ms);
+  double variance = 0;  // of the integrated reading
+  for (TimeNs t = t0 + 50 * ms; t < t0 + 150 * ms; t += 20 * ms) {
+    const ImuInterval<double> i = extract(buffer, t, t + 20 * ms).intervals.at(0);
+    variance += i.gyro_sigma * i.gyro_sigma * i.dt * i.dt;
+  }
+  const ImuInterval<double> whole = extract(buffer, t0 + 50 * ms, t0 + 150 * ms).intervals.at(0);
+  REQUIRE(whole.gyro_sigma == Approx(10 * 0.1 / 2));
+  REQUIRE(std::sqrt(variance) == Approx(whole.gyro_sigma * 0.1));
 }
 
 TEST_CASE("imu_buffer: a sensor that repeats itself is frozen until it changes") {
@@ -213,7 +236,7 @@ TEST_CASE("imu_buffer: a sensor that repeats itself is frozen until it changes")
   }
   const Extracted e = extract(buffer, t0, s.t_ns);
   REQUIRE(e.coverage.frozen_s == Approx(15 * 0.005));
-  REQUIRE(e.intervals[38].gyro_sigma == Approx(10 * 39 * 0.005 / 2));
+  REQUIRE(e.intervals[38].gyro_sigma == Approx(10 * 39 * 0.005 / 2 * std::sqrt(39.0)));
   REQUIRE(!buffer.add(linear(s.t_ns + 5 * ms))->frozen);
 }
 

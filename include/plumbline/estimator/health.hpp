@@ -21,7 +21,8 @@ enum class HealthReason : std::uint8_t {
   aligning,       ///< vision works; scale, gravity and biases are not known yet, see InitReport
   no_imu_data,    ///< inertial samples are missing
   coasting,       ///< the pose is that of the IMU alone
-  imu_disagrees,  ///< readings and images contradict each other: clock, extrinsics, noise or a saturated sensor
+  imu_disagrees,  ///< readings and images contradict each other: clock, extrinsics or noise
+  imu_saturated,  ///< readings at the sensor's full scale
 };
 
 struct Health {
@@ -50,6 +51,7 @@ constexpr const char* name_of(HealthReason reason) {
     case HealthReason::no_imu_data: return "no IMU data";
     case HealthReason::coasting: return "coasting";
     case HealthReason::imu_disagrees: return "IMU disagrees";
+    case HealthReason::imu_saturated: return "IMU saturated";
   }
   return "unknown";
 }

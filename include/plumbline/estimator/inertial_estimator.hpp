@@ -102,10 +102,15 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
         [&](const ImuInterval<double>& interval) { since_frame_.add(interval.template cast<S>()); });
     imu_.mark_used(imu_time(t_ns));
     since_keyframe_.append(since_frame_);
+    blind_since_keyframe_ = blind_since_keyframe_ || blind();
     S duration = since_frame_.increment().duration;
     if (!(duration > S(0))) duration = S(seconds_between(estimate_.t_ns, t_ns));
     body_rate_ = since_frame_.increment().delta.dR.log() / duration;
   }
+  bool missing() const { return !(coverage_.missing() < 0.5); }
+  /// Whether the readings since the last frame say nothing about the translation.
+  bool blind() const { return missing() || coverage_.saturated_s > 0; }
+
   Vec<S, 3> camera_rate() const { return rig_.T_body_cam().rotation().inverse() * body_rate_; }
 
   // ------------------------------------------------------------------------------------------------- start
@@ -255,6 +260,7 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     keyframe_slot_ = slot;
     this->tracked_at_keyframe_ = this->tracked_count();
     since_keyframe_ = Preintegration<S>(noise_, state_.bias_gyro, state_.bias_accel);
+    blind_since_keyframe_ = false;
     estimate_.keyframe = true;
   }
 
@@ -305,22 +311,24 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
   /// Where the readings put the frame; where they say nothing (missing, saturated), constant velocity and the rotation
   /// that the images show.
   NavState<S> predict(const View<Sensors>& view, TimeNs t_ns) {
-    if (!(coverage_.saturated_s > 0) && coverage_.missing() < 0.5)
-      return since_frame_.increment().predict(state_, backend_.inertial().gravity());
+    const auto& increment = since_frame_.increment();
+    if (!blind()) return increment.predict(state_, backend_.inertial().gravity());
     NavState<S> x = state_;
-    const SO3<S> R_body_cam = view.T_body_cam.rotation();
-    const RotationAlignment<S> seen = this->align_rotation(view, SO3<S>());
-    const SO3<S> R_body_previous =
-        seen.valid ? R_body_cam * seen.R_cur_prev.inverse() * R_body_cam.inverse() : SO3<S>();
+    SO3<S> R_previous_now = increment.corrected(x.bias_gyro, x.bias_accel).dR;
+    if (missing() || coverage_.gyro_saturated_s > 0) {
+      const SO3<S> R_body_cam = view.T_body_cam.rotation();
+      const RotationAlignment<S> seen = this->align_rotation(view, SO3<S>());
+      R_previous_now = seen.valid ? R_body_cam * seen.R_cur_prev.inverse() * R_body_cam.inverse() : SO3<S>();
+    }
     const S dt = S(seconds_between(estimate_.t_ns, t_ns));
-    x.T_world_body = SE3<S>(T_good_.rotation() * R_body_previous, x.T_world_body.p() + dt * x.v_world_body);
+    x.T_world_body = SE3<S>(T_good_.rotation() * R_previous_now, x.T_world_body.p() + dt * x.v_world_body);
     return x;
   }
 
   /// One frame into the window.
   void fuse(const View<Sensors>& view, TimeNs t_ns) {
     const double begin = TimeSource::now();
-    const NavState<S> x = predict(view, t_ns);
+    NavState<S> x = predict(view, t_ns);
     const S dt = since_frame_.increment().duration;
     const FusionOptions& options = options_.fusion;
     PosePrior<S> prior{x.T_world_body, Vec<S, 6>::Zero()};
@@ -344,7 +352,9 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
 
     drop_temporary();
     at_rest_ = finds_rest(t_ns);
-    const bool keyframe = this->needs_keyframe() && !at_rest_;
+    // A link that was blind somewhere ends as soon as the readings are back: the next one tells the velocity.
+    const bool keyframe = (this->needs_keyframe() || (blind_since_keyframe_ && !blind())) && !at_rest_;
+    if (blind()) x.T_world_body = T;
     const int slot = backend_.insert(t_ns, x, keyframe_slot_, since_keyframe_, at_rest_);
     features_.for_each([&](auto& map) {
       if (keyframe) {
@@ -356,7 +366,9 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     LevenbergMarquardtOptions solver = options_.backend.solver;
     if (!keyframe) solver.max_iterations = options.frame_iterations;
     backend_.optimize(rig_, view.T_body_cam, features_, solver);
+    const Vec<S, 3> p_before = state_.T_world_body.p();
     adopt_state(slot);
+    if (blind_since_keyframe_) state_.v_world_body = (state_.T_world_body.p() - p_before) / dt;  // by the images
     this->keep_image(state_.T_world_body);
     features_.for_each([&](auto& map) {
       map.triangulate(view, backend_.window(), state_.T_world_body);
@@ -444,7 +456,8 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     estimate_.health = this->health_of_tracking();
     if (backend_.inertial().disagreement(backend_.window()) > options_.fusion.max_disagreement)
       estimate_.health = {HealthState::degraded, HealthReason::imu_disagrees};
-    if (coverage_.missing() > 0.5) estimate_.health = {HealthState::degraded, HealthReason::no_imu_data};
+    if (coverage_.saturated_s > 0) estimate_.health = {HealthState::degraded, HealthReason::imu_saturated};
+    if (missing()) estimate_.health = {HealthState::degraded, HealthReason::no_imu_data};
     Mat<S, 6, 6> covariance;
     if (backend_.newest_covariance(covariance)) estimate_.covariance = covariance;
   }
@@ -455,6 +468,7 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
   NavState<S> state_;  ///< of the latest frame
   Preintegration<S> since_frame_, since_keyframe_;
   ImuCoverage coverage_;  ///< of the time since the last frame
+  bool blind_since_keyframe_ = false;
   Vec<S, 3> body_rate_ = Vec<S, 3>::Zero();
   Vec<S, 3> velocity_ = Vec<S, 3>::Zero();  ///< of vision alone, in its own unit
   int temporary_slot_ = -1;                 ///< of the latest frame when it is no keyframe

@@ -7,13 +7,14 @@
 ///                                       (Error::late_sample)
 ///   repeated time stamp                 refused (Error::late_sample)
 ///   a jump of more than `max_jump_s`    the clock was set, forward or back: the buffer starts anew with this sample
-///   beyond full scale                   clipped to it, marked saturated
+///   at full scale or beyond             clipped to it, marked saturated
 ///   the same six numbers over and over  marked frozen from `frozen_samples` repetitions on
 ///   buffer full                         the oldest sample is forgotten
 /// What is given out covers the time asked for without a hole: linear between samples, the nearest sample held before
 /// the first and after the last one. Where readings are missing, held, frozen or saturated, the intervals say by how
-/// much the truth may differ (gyro_sigma, accel_sigma), so that the covariance of the increment grows:
-///   sigma = rate of change * time without a live reading/2,  or full scale: at its rail a sensor says nothing  (8)
+/// much the truth may differ (gyro_sigma, accel_sigma), so that the covariance of the increment grows. With T the whole
+/// time without a live reading, of which the interval dt is a part, and one error for all of it:
+///   sigma = s sqrt(T/dt),   s = rate of change * T/2,  or full scale: at its rail a sensor says nothing        (8)
 
 #include <algorithm>
 #include <cmath>
@@ -41,7 +42,7 @@ struct ImuBufferOptions {
   int frozen_samples = 25;          ///< sensors with noise do not repeat six numbers
 };
 
-/// How the samples covered the time asked for. Frozen and saturated time may overlap the others.
+/// How the samples covered the time asked for, in seconds. Frozen and saturated time may overlap the others.
 struct ImuCoverage {
   bool valid = false;  ///< there were samples at all, and the time asked for is not empty
   int intervals = 0;
@@ -49,7 +50,8 @@ struct ImuCoverage {
   double gap_s = 0;       ///< interpolated over a gap
   double held_s = 0;      ///< before the first or after the last sample
   double frozen_s = 0;
-  double saturated_s = 0;
+  double saturated_s = 0;  ///< any of the two sensors
+  double gyro_saturated_s = 0;
 
   /// Part of the time without a live reading.
   double missing() const { return valid ? std::min(1.0, (gap_s + held_s + frozen_s) / duration_s) : 1; }
@@ -112,22 +114,32 @@ class ImuBuffer {
  private:
   struct Item {
     ImuSample sample;
-    bool saturated;
-    int repeated;    ///< how often these six numbers came before
-    TimeNs live_ns;  ///< when they came first
+    int repeated;                                ///< how often these six numbers came before
+    TimeNs live_ns;                              ///< when they came first
+    TimeNs gyro_in_range_ns, accel_in_range_ns;  ///< of the newest sample so far that was not at its rail
   };
 
   static constexpr TimeNs never_used = std::numeric_limits<TimeNs>::min();
+  static constexpr double at_rail = 0.995;  ///< of full scale: the largest number is one less, and corrected for bias
 
   bool frozen(const Item& item) const { return item.repeated >= options_.frozen_samples; }
 
-  /// How often the numbers of item i were there before it.
-  void count_repetitions(std::size_t i) {
+  bool gyro_saturated(const Item& item) const {
+    return item.sample.gyro.cwiseAbs().maxCoeff() >= at_rail * options_.gyro_full_scale;
+  }
+  bool accel_saturated(const Item& item) const {
+    return item.sample.accel.cwiseAbs().maxCoeff() >= at_rail * options_.accel_full_scale;
+  }
+
+  /// Since when item i repeats its numbers, since when its sensors are at their rails.
+  void follow(std::size_t i) {
     Item& item = items_[i];
     item.repeated = 0;
-    item.live_ns = item.sample.t_ns;
+    item.live_ns = item.gyro_in_range_ns = item.accel_in_range_ns = item.sample.t_ns;
     if (i == 0) return;
     const Item& before = items_[i - 1];
+    if (gyro_saturated(item)) item.gyro_in_range_ns = before.gyro_in_range_ns;
+    if (accel_saturated(item)) item.accel_in_range_ns = before.accel_in_range_ns;
     if (item.sample.gyro != before.sample.gyro || item.sample.accel != before.sample.accel) return;
     item.repeated = std::min(before.repeated + 1, options_.frozen_samples);
     item.live_ns = before.live_ns;
@@ -162,12 +174,13 @@ Result<typename ImuBuffer<Capacity>::Accepted> ImuBuffer<Capacity>::add(const Im
   counts_.late += late;
   if (late && !newest) return Error::late_sample;
   const double w = options_.gyro_full_scale, a = options_.accel_full_scale;
-  Item item{sample, sample.gyro.cwiseAbs().maxCoeff() >= w || sample.accel.cwiseAbs().maxCoeff() >= a, 0, sample.t_ns};
+  Item item{};
+  item.sample.t_ns = sample.t_ns;
   item.sample.gyro = sample.gyro.cwiseMax(-w).cwiseMin(w);
   item.sample.accel = sample.accel.cwiseMax(-a).cwiseMin(a);
   const std::size_t at = items_.insert(place, item);
-  for (std::size_t i = at; i < size(); ++i) count_repetitions(i);
-  out.saturated = item.saturated;
+  for (std::size_t i = at; i < size(); ++i) follow(i);
+  out.saturated = gyro_saturated(item) || accel_saturated(item);
   out.frozen = frozen(items_[at]);
   ++counts_.accepted;
   counts_.reordered += !newest;
@@ -212,11 +225,18 @@ ImuCoverage ImuBuffer<Capacity>::for_each_interval(TimeNs t_begin_ns, TimeNs t_e
       blind_s = spacing_s;
       out.gap_s += interval.dt;
     }
-    const bool saturated = a.saturated || b.saturated;
-    if (saturated) out.saturated_s += interval.dt;
-    interval.gyro_sigma =  // (8)
-        std::max(0.5 * options_.gyro_rate * blind_s, saturated ? options_.gyro_full_scale : 0.0);
-    interval.accel_sigma = std::max(0.5 * options_.accel_rate * blind_s, saturated ? options_.accel_full_scale : 0.0);
+    const TimeNs last = after ? t_end_ns : b.sample.t_ns;
+    const auto doubt = [&](double rate, bool saturated, double full_scale, TimeNs in_range_ns) {  // (8)
+      const double railed_s = saturated ? std::max(interval.dt, seconds_between(in_range_ns, last)) : 0;
+      return std::max(0.5 * rate * blind_s * std::sqrt(blind_s / interval.dt),
+                      full_scale * std::sqrt(railed_s / interval.dt));
+    };
+    const bool gyro_railed = gyro_saturated(a) || gyro_saturated(b);
+    const bool accel_railed = accel_saturated(a) || accel_saturated(b);
+    interval.gyro_sigma = doubt(options_.gyro_rate, gyro_railed, options_.gyro_full_scale, a.gyro_in_range_ns);
+    interval.accel_sigma = doubt(options_.accel_rate, accel_railed, options_.accel_full_scale, a.accel_in_range_ns);
+    if (gyro_railed) out.gyro_saturated_s += interval.dt;
+    if (gyro_railed || accel_railed) out.saturated_s += interval.dt;
     visit(interval);
     ++out.intervals;
     t = end;
