@@ -37,7 +37,13 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
 
   /// One reading, before the frame that comes after it. Between two frames the order does not matter. Errors as in
   /// ImuBuffer.
-  Result<typename ImuBuffer<>::Accepted> add_imu(const ImuSample& sample) { return imu_.add(sample); }
+  Result<typename ImuBuffer<>::Accepted> add_imu(const ImuSample& sample) {
+    const auto accepted = imu_.add(sample);
+    // Images that do not come: what the buffer is about to forget is integrated before.
+    if (stage_ != Stage::empty && imu_.full() && imu_[1].t_ns > integrated_ns_)
+      integrate_readings(imu_[imu_.size() / 2].t_ns);
+    return accepted;
+  }
 
   /// Uses one frame; its pixels are not needed after the call. An error leaves the estimator as it was.
   Result<Estimate<S>> add_frame(const Frame& frame) {
@@ -47,6 +53,8 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     timing_ = {};
     if (!pyramids_[1 - last_].build(frame.gray)) return Error::wrong_image_size;
     if (stage_ != Stage::empty) integrate(frame.t_ns);
+    integrated_ns_ = imu_time(frame.t_ns);
+    between_frames_ = false;
     View<Sensors> view = this->view_of(frame, extrinsics());
     view.shutter.set_angular_rate(camera_rate());
     switch (stage_) {
@@ -94,13 +102,22 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
 
   TimeNs imu_time(TimeNs t_ns) const { return t_ns + static_cast<TimeNs>(rig_.imu.camera_time_offset_s * 1e9); }
 
-  /// The readings since the last frame.
+  /// The readings since the last frame up to that time of the IMU.
+  void integrate_readings(TimeNs until_ns) {
+    if (!between_frames_) {
+      since_frame_ = Preintegration<S>(noise_, state_.bias_gyro, state_.bias_accel);
+      coverage_ = {};
+      between_frames_ = true;
+    }
+    coverage_ += imu_.for_each_interval(integrated_ns_, until_ns, [&](const ImuInterval<double>& interval) {
+      since_frame_.add(interval.template cast<S>());
+    });
+    imu_.mark_used(until_ns);
+    integrated_ns_ = until_ns;
+  }
+
   void integrate(TimeNs t_ns) {
-    since_frame_ = Preintegration<S>(noise_, state_.bias_gyro, state_.bias_accel);
-    coverage_ = imu_.for_each_interval(
-        imu_time(estimate_.t_ns), imu_time(t_ns),
-        [&](const ImuInterval<double>& interval) { since_frame_.add(interval.template cast<S>()); });
-    imu_.mark_used(imu_time(t_ns));
+    integrate_readings(imu_time(t_ns));
     since_keyframe_.append(since_frame_);
     blind_since_keyframe_ = blind_since_keyframe_ || blind();
     S duration = since_frame_.increment().duration;
@@ -467,7 +484,9 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
   Stage stage_ = Stage::empty;
   NavState<S> state_;  ///< of the latest frame
   Preintegration<S> since_frame_, since_keyframe_;
-  ImuCoverage coverage_;  ///< of the time since the last frame
+  ImuCoverage coverage_;         ///< of the time since the last frame
+  TimeNs integrated_ns_ = 0;     ///< readings are integrated up to there
+  bool between_frames_ = false;  ///< some of them since the last frame
   bool blind_since_keyframe_ = false;
   Vec<S, 3> body_rate_ = Vec<S, 3>::Zero();
   Vec<S, 3> velocity_ = Vec<S, 3>::Zero();  ///< of vision alone, in its own unit

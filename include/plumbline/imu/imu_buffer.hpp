@@ -53,6 +53,19 @@ struct ImuCoverage {
   double saturated_s = 0;  ///< any of the two sensors
   double gyro_saturated_s = 0;
 
+  /// Of both times together.
+  ImuCoverage& operator+=(const ImuCoverage& next) {
+    valid = valid || next.valid;
+    intervals += next.intervals;
+    duration_s += next.duration_s;
+    gap_s += next.gap_s;
+    held_s += next.held_s;
+    frozen_s += next.frozen_s;
+    saturated_s += next.saturated_s;
+    gyro_saturated_s += next.gyro_saturated_s;
+    return *this;
+  }
+
   /// Part of the time without a live reading.
   double missing() const { return valid ? std::min(1.0, (gap_s + held_s + frozen_s) / duration_s) : 1; }
 };
@@ -85,6 +98,7 @@ class ImuBuffer {
   void mark_used(TimeNs t_ns) { used_ns_ = t_ns; }
 
   bool empty() const { return items_.empty(); }
+  bool full() const { return items_.full(); }
   std::size_t size() const { return items_.size(); }
   /// Sample i, 0 is the oldest.
   const ImuSample& operator[](std::size_t i) const { return items_[i].sample; }
