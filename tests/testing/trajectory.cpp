@@ -1,5 +1,8 @@
 #include "plumbline/testing/trajectory.hpp"
 
+#include <algorithm>
+#include <vector>
+
 #include "catch.hpp"
 #include "plumbline/lie/plus.hpp"
 #include "plumbline/testing/rig.hpp"
@@ -9,10 +12,11 @@ using namespace plumbline;
 using namespace plumbline::testing;
 
 TEST_CASE("trajectory: velocity, rate and acceleration are the derivatives of the pose") {
-  for (const std::string_view scene : testing::scene_names) {
-    const Trajectory trajectory = *Trajectory::for_scene(scene, 7);
+  std::vector<Trajectory> trajectories{Trajectory::shaken(7)};
+  for (const std::string_view scene : testing::scene_names) trajectories.push_back(*Trajectory::for_scene(scene, 7));
+  for (const Trajectory& trajectory : trajectories) {
     for (double t = 0.5; t < 25; t += 0.173) {
-      const double h = 1e-4;
+      const double h = 5e-5;
       const MotionState before = trajectory.at(t - h), now = trajectory.at(t), after = trajectory.at(t + h);
       const Vec<double, 3> v = (after.T_world_body.p() - before.T_world_body.p()) / (2 * h);
       const Vec<double, 3> a = (after.v_world_body - before.v_world_body) / (2 * h);
@@ -21,6 +25,25 @@ TEST_CASE("trajectory: velocity, rate and acceleration are the derivatives of th
       REQUIRE((a - now.a_world_body).norm() < 1e-5);
       REQUIRE((w - now.w_body).norm() < 1e-6);
     }
+  }
+}
+
+TEST_CASE("trajectory: shaken by hand from the first instant on, in free space") {
+  const Scene scene = *make_scene("room");
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const Trajectory trajectory = Trajectory::shaken(seed);
+    double fastest_turn = 0, hardest = 0, first = 0;
+    for (double t = 0; t < 6; t += 0.01) {
+      const MotionState state = trajectory.at(t);
+      fastest_turn = std::max(fastest_turn, state.w_body.norm());
+      hardest = std::max(hardest, state.a_world_body.norm());
+      if (t < 0.2) first = std::max(first, state.a_world_body.norm());
+      REQUIRE(scene.distance(state.T_world_body.p()) > 0.5);
+    }
+    CAPTURE(seed, fastest_turn, hardest, first);
+    REQUIRE((fastest_turn > 3 && fastest_turn < 6));
+    REQUIRE((hardest > 8 && hardest < 20));
+    REQUIRE(first > 4);
   }
 }
 

@@ -3,7 +3,7 @@
 ///
 /// Position and yaw, pitch, roll are sums of sinusoids of the phase s(t), which rests for one second and then gains
 /// speed over another (C^5):   s(t) = T F((t - 1 s)/T),  F' = 126 x^5 - 420 x^6 + 540 x^7 - 315 x^8 + 70 x^9 on [0, 1],
-/// then 1   (1) Derivatives are exact: second-order Taylor arithmetic (`Jet`).
+/// then 1   (1), or s = t for a camera shaken by hand. Derivatives are exact: second-order Taylor arithmetic (`Jet`).
 ///   R_world_body = Rz(yaw) Ry(pitch) Rx(roll)                                                                    (2)
 ///   w_body = [roll' - yaw' sin pitch; pitch' cos roll + yaw' cos pitch sin roll; -pitch' sin roll + yaw' cos pitch cos
 ///   roll]
@@ -60,8 +60,11 @@ class Trajectory {
     return std::nullopt;
   }
 
+  /// In the middle of the room, shaken by hand at 2 to 4 Hz from the first instant on: up to 5 rad/s and 20 m/s^2.
+  static Trajectory shaken(std::uint64_t seed = 1) { return Trajectory(Kind::shaken, seed); }
+
   MotionState at(double t) const {
-    const Jet s = phase(t);
+    const Jet s = kind_ == Kind::shaken ? Jet{t, 1, 0} : phase(t);
     Jet x, y, z, yaw, pitch, roll;
     const auto sway = [&](std::size_t i, double amplitude, double rate) {
       return amplitude * sin(rate * s + phase_[i]);
@@ -72,6 +75,12 @@ class Trajectory {
       y = 0.85 * sin(turn) + sway(1, 0.12, 0.9);
       z = sway(2, 0.16, 0.8) + sway(3, 0.02, 3.1) + 1.35;
       yaw = turn + sway(4, 0.45, 0.75) + sway(5, 0.04, 2.7);
+    } else if (kind_ == Kind::shaken) {
+      x = sway(0, 0.030, 13.5) + sway(1, 0.20, 2.1);
+      y = sway(2, 0.025, 16.5) + sway(3, 0.20, 1.7);
+      z = sway(4, 0.018, 22.0) + sway(5, 0.08, 2.6) + 1.35;
+      yaw = sway(6, 0.18, 14.5) + start_;
+      return motion(x, y, z, yaw, sway(7, 0.10, 18.0) + sway(9, 0.10, 1.9) + 0.12, sway(8, 0.10, 20.5));
     } else {  // one lap of the corridor in 18 s: a rectangle with round corners, slower there
       const Jet turn = (2 * std::numbers::pi / 18) * s;
       const Jet angle = turn + (-0.06) * sin(4 * turn);
@@ -82,7 +91,14 @@ class Trajectory {
     }
     pitch = sway(6, 0.12, 1.2) + sway(7, 0.02, 3.7) + 0.12;
     roll = sway(8, 0.07, 1.0) + sway(9, 0.015, 4.1);
+    return motion(x, y, z, yaw, pitch, roll);
+  }
 
+ private:
+  enum class Kind : std::uint8_t { room, corridor, shaken };
+
+  static MotionState motion(const Jet& x, const Jet& y, const Jet& z, const Jet& yaw, const Jet& pitch,
+                            const Jet& roll) {
     const double sp = std::sin(pitch.value), cp = std::cos(pitch.value), sr = std::sin(roll.value),
                  cr = std::cos(roll.value);
     const auto turned = [](int axis, const Jet& angle) {
@@ -93,9 +109,6 @@ class Trajectory {
             {x.d2, y.d2, z.d2},
             {roll.d1 - yaw.d1 * sp, pitch.d1 * cr + yaw.d1 * cp * sr, -pitch.d1 * sr + yaw.d1 * cp * cr}};  // (2)
   }
-
- private:
-  enum class Kind : std::uint8_t { room, corridor };
 
   Trajectory(Kind kind, std::uint64_t seed) : kind_(kind) {
     Random random(stream_seed(seed, 1));
