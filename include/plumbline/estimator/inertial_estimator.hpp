@@ -150,7 +150,7 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
       initializing(HealthReason::few_features, InitStage::few_features);
       return;
     }
-    this->keep_image(SE3<S>());
+    this->keep_image(view, SE3<S>());
     adopt_keyframe(slot);
     stage_ = Sensors::has_depth ? Stage::vision : Stage::one_view;
     initializing(HealthReason::aligning, Sensors::has_depth ? InitStage::aligning : InitStage::little_parallax);
@@ -177,7 +177,7 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     const SE3<S> T_predicted(T_good_.rotation() * dR, Vec<S, 3>::Zero());
     features_.for_each([&](auto& map) { map.track(view, backend_.window(), T_good_, T_predicted); });
     estimate_.t_ns = t_ns;
-    this->keep_image(T_predicted);
+    this->keep_image(view, T_predicted);
     pairs_.clear();
     const auto take = [this](const Vec<S, 3>& f1, const Vec<S, 3>& f2) { pairs_.push_back({f1, f2}); };
     features_.for_each([&, slot = keyframe_slot_](auto& map) {
@@ -246,7 +246,7 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     }
     this->estimate_readout(view, T, dt);
     velocity_ = (T.p() - T_good_.p()) / dt;
-    this->keep_image(T);
+    this->keep_image(view, T);
     estimate_.t_ns = t_ns;
     estimate_.T_world_body = T;
     estimate_.keyframe = false;
@@ -386,7 +386,7 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     const Vec<S, 3> p_before = state_.T_world_body.p();
     adopt_state(slot);
     if (blind_since_keyframe_) state_.v_world_body = (state_.T_world_body.p() - p_before) / dt;  // by the images
-    this->keep_image(state_.T_world_body);
+    this->keep_image(view, state_.T_world_body);
     features_.for_each([&](auto& map) {
       map.triangulate(view, backend_.window(), state_.T_world_body);
       map.prune();
@@ -408,7 +408,7 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     state_ = x;
     at_rest_ = false;
     if (feature_count() >= options_.min_landmarks) {  // followed, and located as soon as there is parallax
-      this->keep_image(x.T_world_body);
+      this->keep_image(view, x.T_world_body);
       features_.for_each([&](auto& map) {
         map.triangulate(view, backend_.window(), x.T_world_body);
         map.prune();
@@ -439,7 +439,7 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
       return;
     }
     blind_frames_ = 0;
-    this->keep_image(state_.T_world_body);
+    this->keep_image(view, state_.T_world_body);
     adopt_keyframe(slot);
     if (backend_.window().full()) backend_.marginalize(rig_, view.T_body_cam, features_, backend_.oldest());
   }

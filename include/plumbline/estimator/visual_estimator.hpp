@@ -84,7 +84,7 @@ class VisualEstimator : public VisualTracking<Sensors, FeatureSet, BackendPolicy
     velocity_ = minus(T, T_good_) / dt;
     if (lost_frames_ > 0) velocity_.setZero();
     publish(t_ns, T, covariance);
-    this->keep_image(T);
+    this->keep_image(view, T);
     lost_frames_ = 0;
     features_.for_each([&](auto& map) {
       map.triangulate(view, backend_.window(), T);
@@ -140,7 +140,7 @@ class VisualEstimator : public VisualTracking<Sensors, FeatureSet, BackendPolicy
     }
     velocity_.setZero();
     lost_frames_ = 0;
-    this->keep_image(T_good_);
+    this->keep_image(view, T_good_);
     publish(t_ns, T_good_, Mat<S, 6, 6>::Zero());
     adopt_keyframe(slot);
   }

@@ -140,9 +140,9 @@ class VisualTracking {
     return {few ? HealthState::degraded : HealthState::tracking, few ? HealthReason::few_features : HealthReason::none};
   }
 
-  /// The current image is the one that the next is compared with.
-  void keep_image(const SE3<S>& T_world_body) {
-    last_ = 1 - last_;
+  /// The view's current image is the one that the next is compared with.
+  void keep_image(const View<Sensors>& view, const SE3<S>& T_world_body) {
+    last_ = &view.current == &pyramids_[0] ? 0 : 1;
     T_good_ = T_world_body;
   }
 
