@@ -49,7 +49,7 @@ struct ShakenRun {
 };
 
 template <class Vision>
-ShakenRun shaken_run(std::uint64_t seed, double max_disagreement = InertialStartOptions{}.max_disagreement) {
+ShakenRun shaken_run(std::uint64_t seed, double max_bias = InertialStartOptions{}.max_accel_bias_sigmas) {
   using Sensors = Rig<Vision, Imu>;
   using Vio = Estimator<Sensors, Features<Points<250>>, SlidingWindow<10>, SteadyClock>;
   const auto trajectory = testing::Trajectory::shaken(seed);
@@ -66,7 +66,7 @@ ShakenRun shaken_run(std::uint64_t seed, double max_disagreement = InertialStart
   rig.imu.T_body_cam = T_body_cam;
   rig.imu.noise = quality.noise;
   typename Vio::Options options;
-  options.fusion.start.max_disagreement = max_disagreement;
+  options.fusion.start.max_accel_bias_sigmas = max_bias;
   const auto vio = std::make_unique<Vio>(rig, options);
 
   ShakenRun out;

@@ -141,7 +141,7 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     alignment_.clear();
     velocity_.setZero();
     stage_ = Stage::empty;
-    report_ = {};
+    report_ = {.rejected = report_.rejected};
     estimate_.t_ns = t_ns;
     estimate_.keyframe = false;
     estimate_.tracked = 0;
@@ -294,6 +294,7 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     if (!estimate_.keyframe) insert_visual_keyframe(view, t_ns);
     features_.for_each([&](auto& map) { map.rescale(found.scale); });
     const SE3<S> T_body_cam = rig_.T_body_cam();
+    const NavState<S> before = state_;
     state_.bias_gyro = found.bias_gyro;
     state_.bias_accel = found.bias_accel;
     // Positions first, then the velocities that the increments between them ask for.
@@ -316,11 +317,25 @@ class InertialEstimator : public VisualTracking<Sensors, FeatureSet, BackendPoli
     solver.max_iterations *= 2;
     backend_.optimize(rig_, T_body_cam, features_, solver);
     adopt_state(keyframe_slot_);
+    if (!believed()) {
+      state_ = before;
+      ++report_.rejected;
+      start(view, t_ns);
+      report_.stage = InitStage::not_believed;
+      return;
+    }
     T_good_ = state_.T_world_body;
     since_keyframe_ = Preintegration<S>(noise_, state_.bias_gyro, state_.bias_accel);
     report_.stage = InitStage::done;
     report_.done_ns = good_ns_ = t_ns;
     publish(t_ns);
+  }
+
+  /// Whether images and readings, solved for together, bear out what was aligned: poses of a wrong scene can be aligned
+  /// with the readings of half a second, but then need an accelerometer bias that no sensor has.
+  bool believed() const {
+    const double largest = double(state_.bias_accel.cwiseAbs().maxCoeff());
+    return largest <= options_.fusion.start.max_accel_bias_sigmas * options_.backend.inertial.start_accel_bias_sigma;
   }
 
   // ------------------------------------------------------------------------------------------------- window

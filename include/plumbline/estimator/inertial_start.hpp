@@ -19,7 +19,8 @@ struct InertialStartOptions {
   double min_parallax_rad = 0.035;  ///< of the two first views of a camera without depth
   double min_inliers = 0.7;         ///< of the pairs, that fit the two views
   int min_pairs = 30;
-  double max_start_s = 4;  ///< longer without a second view: begin with a new first one
+  double max_start_s = 4;             ///< longer without a second view: begin with a new first one
+  double max_accel_bias_sigmas = 10;  ///< of start_accel_bias_sigma, when images and readings are first solved together
   TwoViewOptions two_view;
   InertialAlignmentOptions alignment;
 };
@@ -29,7 +30,8 @@ enum class InitStage : std::uint8_t {
   few_features,     ///< the images show little that can be tracked
   little_parallax,  ///< a camera without depth must move sideways
   two_views_disagree,
-  aligning,  ///< see the alignment's outcome
+  aligning,      ///< see the alignment's outcome
+  not_believed,  ///< aligned, but all images and readings together need an impossible bias: begun anew
   done,
 };
 
@@ -43,6 +45,7 @@ struct InitReport {
   double gravity_norm = 0;   ///< as vision and IMU have it before it is fixed [m/s^2]
   double gyro_residual = 0;  ///< rotation of vision against the gyroscope [rad]
   double scale_sigma = 0;    ///< relative
+  int rejected = 0;          ///< how often it came to `not_believed`
   TimeNs done_ns = 0;        ///< time of the first inertial estimate
 };
 
@@ -52,6 +55,7 @@ constexpr const char* name_of(InitStage stage) {
     case InitStage::little_parallax: return "little parallax";
     case InitStage::two_views_disagree: return "two views disagree";
     case InitStage::aligning: return "aligning";
+    case InitStage::not_believed: return "not believed";
     case InitStage::done: return "done";
   }
   return "unknown";
