@@ -24,7 +24,7 @@ within() {
 euroc_truth=mav0/state_groundtruth_estimate0/data.csv
 within rgbd/points/window icl_office_kt0_3s groundtruth.txt se3 0.007 0
 within rgbd/points/window rendered_lowtex_rgbd groundtruth.txt se3 0.025 0
-within rgbd/points/window tum_fr1_rpy_first12s groundtruth.txt se3 0.04 0
+within rgbd/points/window tum_fr1_rpy_first12s groundtruth.txt se3 0.028 0
 within rgbd/lines/window icl_office_kt0_3s groundtruth.txt se3 0.002 0
 within rgbd/lines/window rendered_lowtex_rgbd groundtruth.txt se3 0.015 0
 within rgbd/points+lines/window icl_office_kt0_3s groundtruth.txt se3 0.006 0
