@@ -1,18 +1,22 @@
 #include "runner.hpp"
 
-std::unique_ptr<Runner> make_rgbd_points_window(const plumbline::io::Calibration& calibration);
-std::unique_ptr<Runner> make_rgbd_lines_window(const plumbline::io::Calibration& calibration);
-std::unique_ptr<Runner> make_rgbd_points_lines_window(const plumbline::io::Calibration& calibration);
-std::unique_ptr<Runner> make_rgbd_imu_points_window(const plumbline::io::Calibration& calibration);
-std::unique_ptr<Runner> make_rgbd_imu_lines_window(const plumbline::io::Calibration& calibration);
-std::unique_ptr<Runner> make_rgbd_imu_points_lines_window(const plumbline::io::Calibration& calibration);
-std::unique_ptr<Runner> make_mono_imu_points_window(const plumbline::io::Calibration& calibration);
-std::unique_ptr<Runner> make_mono_imu_points_lines_window(const plumbline::io::Calibration& calibration);
+#include <algorithm>
+#include <iterator>
+
+// Those that were not compiled in (PLUMBLINE_CONFIGURATIONS) are null.
+[[gnu::weak]] std::unique_ptr<Runner> make_rgbd_points_window(const plumbline::io::Calibration& calibration);
+[[gnu::weak]] std::unique_ptr<Runner> make_rgbd_lines_window(const plumbline::io::Calibration& calibration);
+[[gnu::weak]] std::unique_ptr<Runner> make_rgbd_points_lines_window(const plumbline::io::Calibration& calibration);
+[[gnu::weak]] std::unique_ptr<Runner> make_rgbd_imu_points_window(const plumbline::io::Calibration& calibration);
+[[gnu::weak]] std::unique_ptr<Runner> make_rgbd_imu_lines_window(const plumbline::io::Calibration& calibration);
+[[gnu::weak]] std::unique_ptr<Runner> make_rgbd_imu_points_lines_window(const plumbline::io::Calibration& calibration);
+[[gnu::weak]] std::unique_ptr<Runner> make_mono_imu_points_window(const plumbline::io::Calibration& calibration);
+[[gnu::weak]] std::unique_ptr<Runner> make_mono_imu_points_lines_window(const plumbline::io::Calibration& calibration);
 
 std::span<const Configuration> configurations() {
   constexpr Needs rgbd{.depth = true, .imu = false}, rgbd_imu{.depth = true, .imu = true},
       mono_imu{.depth = false, .imu = true};
-  static constexpr Configuration all[] = {
+  const Configuration all[] = {
       {"rgbd/points/window", rgbd, make_rgbd_points_window},
       {"rgbd/lines/window", rgbd, make_rgbd_lines_window},
       {"rgbd/points+lines/window", rgbd, make_rgbd_points_lines_window},
@@ -23,5 +27,11 @@ std::span<const Configuration> configurations() {
       {"mono-imu/points+lines/window", mono_imu, make_mono_imu_points_lines_window},
       {"rgbd-inertial-vio", rgbd_imu, make_rgbd_imu_points_lines_window},  // published, see systems/
   };
-  return all;
+  static const std::vector<Configuration> compiled = [&] {
+    std::vector<Configuration> out;
+    std::copy_if(std::begin(all), std::end(all), std::back_inserter(out),
+                 [](const Configuration& c) { return c.make; });
+    return out;
+  }();
+  return compiled;
 }
