@@ -99,7 +99,7 @@ class LandmarkElimination {
         Strip A_j = touched_[group.block] ? A(group.block) : Strip(Strip::Zero());
         for (int k = 0; k < R; ++k) A_j.noalias() += Q[group.first_row + k] * rows.row(k);
         A(group.block) = A_j;
-        touched_.set(group.block);
+        touched_[group.block] = true;
       });
     }
     if (anchor_ != no_anchor) {
@@ -108,7 +108,7 @@ class LandmarkElimination {
         if (touched_[j]) A_a.noalias() -= A(j) * pairs.transport(anchor_, j);
       }
       A(anchor_) = A_a;
-      touched_.set(anchor_);
+      touched_[anchor_] = true;
     }
     return is_finite();
   }

@@ -38,7 +38,7 @@ class RelativeEquations {
   void add(int a, int j, const Eigen::MatrixBase<DJ>& J, const Eigen::MatrixBase<Dr>& r) {
     const std::size_t k = index(a, j);
     if (!used_[k]) {
-      used_.set(k);
+      used_[k] = true;
       G_[k].setZero();
       g_[k].setZero();
     }
