@@ -124,9 +124,11 @@ class WindowBackend {
     }
     Problem problem{*this, rig, features, T_body_cam};
     const LevenbergMarquardtSummary summary = levenberg_marquardt(problem, solver);
-    problem.eliminate(solver.mu_min);  // for the covariance: what damped the landmarks is no knowledge
     views_.update(window_, T_body_cam);
     for_each(features, [&](auto& map, auto& terms) { terms.finish(rig, map, window_, views_); });
+    // For the covariance: here, not a step before, and what damped the landmarks is no knowledge.
+    problem.linearize();
+    problem.eliminate(solver.mu_min);
     return summary;
   }
   LevenbergMarquardtSummary optimize(const Sensors& rig, FeatureSet& features) {
