@@ -11,6 +11,7 @@
 [[gnu::weak]] std::unique_ptr<Runner> make_rgbd_imu_lines_window(const plumbline::io::Calibration& calibration);
 [[gnu::weak]] std::unique_ptr<Runner> make_rgbd_imu_points_lines_window(const plumbline::io::Calibration& calibration);
 [[gnu::weak]] std::unique_ptr<Runner> make_mono_imu_points_window(const plumbline::io::Calibration& calibration);
+[[gnu::weak]] std::unique_ptr<Runner> make_mono_imu_lines_window(const plumbline::io::Calibration& calibration);
 [[gnu::weak]] std::unique_ptr<Runner> make_mono_imu_points_lines_window(const plumbline::io::Calibration& calibration);
 
 std::span<const Configuration> configurations() {
@@ -24,6 +25,7 @@ std::span<const Configuration> configurations() {
       {"rgbd-imu/lines/window", rgbd_imu, make_rgbd_imu_lines_window},
       {"rgbd-imu/points+lines/window", rgbd_imu, make_rgbd_imu_points_lines_window},
       {"mono-imu/points/window", mono_imu, make_mono_imu_points_window},
+      {"mono-imu/lines/window", mono_imu, make_mono_imu_lines_window},
       {"mono-imu/points+lines/window", mono_imu, make_mono_imu_points_lines_window},
       {"rgbd-inertial-vio", rgbd_imu, make_rgbd_imu_points_lines_window},  // published, see systems/
   };

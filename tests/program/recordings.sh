@@ -35,6 +35,8 @@ within rgbd-imu/lines/window rendered_lowtex_rgbd groundtruth_body.csv posyaw 0.
 within rgbd-imu/points+lines/window rendered_lowtex_rgbd groundtruth_body.csv posyaw 0.009 20
 within mono-imu/points/window rendered_office_mono "$euroc_truth" posyaw 0.01 90
 within mono-imu/points/window euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
+within mono-imu/lines/window rendered_office_mono "$euroc_truth" posyaw 0.03 90
+within mono-imu/lines/window euroc_mh01_flight "$euroc_truth" posyaw 0.12 49
 within mono-imu/points+lines/window rendered_office_mono "$euroc_truth" posyaw 0.008 90
 within mono-imu/points+lines/window euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
 finish

@@ -16,6 +16,8 @@ template <class... Maps>
 class FeatureMaps {
  public:
   using Options = std::tuple<typename Maps::Options...>;
+  /// Whether a kind tells which bearings of two views belong together: a camera without depth starts by them.
+  static constexpr bool relates_two_views = (requires { Maps::relates_two_views; } || ...);
 
   explicit FeatureMaps(const Options& options) : FeatureMaps(options, std::index_sequence_for<Maps...>()) {}
 

@@ -50,6 +50,7 @@ class PointMap {
   template <int BlockDim>
   using WindowTerms = PointWindowTerms<Sensors, PointMap, BlockDim>;
   using MotionTerms = PointMotionTerms<Sensors, PointMap>;
+  static constexpr bool relates_two_views = true;  ///< by for_each_pair
 
   /// Of the latest frame: seen there, but not where its pose has it.
   struct Rejected {
