@@ -62,10 +62,10 @@ std::string headline(std::size_t number, double t_s, const FrameOutput& output, 
 
 }  // namespace
 
-DebugReport::DebugReport(const DebugOptions& options, std::string title)
+DebugReport::DebugReport(const DebugOptions& options, std::string title, pl::io::Trajectory truth)
     : options_(options),
       title_(std::move(title)),
-      reference_(options.reference ? pl::io::read_trajectory(*options.reference) : pl::io::Trajectory()),
+      truth_(std::move(truth)),
       frames_(made(options.directory) / "frames.csv") {}
 
 void DebugReport::add(std::size_t number, pl::TimeNs t_ns, const cv::Mat& gray, const FrameOutput& output,
@@ -177,8 +177,8 @@ void DebugReport::finish(const std::string& summary) {
   frames_.close();
   if (times_.empty()) return;
   std::vector<TruthError> errors;
-  if (!reference_.empty()) {
-    errors = compare_with_truth(reference_, poses_, has_imu_);
+  if (!truth_.empty()) {
+    errors = compare_with_truth(truth_, poses_, has_imu_);
     write_errors(errors);
   }
   std::string text = summary;

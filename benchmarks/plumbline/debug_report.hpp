@@ -25,13 +25,14 @@
 struct DebugOptions {
   std::filesystem::path directory;                 ///< made; must not exist or be empty
   std::size_t every = 1;                           ///< n-th frame gets a picture
-  std::optional<std::filesystem::path> reference;  ///< true trajectory
+  std::optional<std::filesystem::path> reference;  ///< true trajectory instead of the recording's own
 };
 
 class DebugReport {
  public:
-  /// `title`: one line for the page. Throws std::runtime_error when the folder or the reference cannot be used.
-  DebugReport(const DebugOptions& options, std::string title);
+  /// `title`: one line for the page; `truth` is empty where there is none. Throws std::runtime_error when the folder
+  /// cannot be used.
+  DebugReport(const DebugOptions& options, std::string title, plumbline::io::Trajectory truth);
 
   /// The frame `number` of the recording, counted from 0; `inspection` was made after it.
   void add(std::size_t number, plumbline::TimeNs t_ns, const cv::Mat& gray, const FrameOutput& output,
@@ -48,7 +49,7 @@ class DebugReport {
 
   DebugOptions options_;
   std::string title_;
-  plumbline::io::Trajectory reference_;
+  plumbline::io::Trajectory truth_;
   Table frames_;
   std::vector<plumbline::TimeNs> times_;
   std::vector<plumbline::HealthState> health_;

@@ -59,7 +59,9 @@ void add_run(CLI::App& app, RunOptions& options) {
   command->add_option("--debug-every", options.debug.every, "Pictures of every n-th frame")
       ->check(CLI::PositiveNumber)
       ->needs(debug);
-  command->add_option("--reference", options.debug.reference, "True trajectory for the errors in the debug folder")
+  command
+      ->add_option("--reference", options.debug.reference,
+                   "True trajectory for the errors in the debug folder, instead of the recording's own")
       ->needs(debug);
   command->add_option("--start", options.start_s, "Begin this long after the first frame [s]")
       ->check(CLI::NonNegativeNumber);

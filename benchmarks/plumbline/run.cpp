@@ -91,8 +91,12 @@ int run_configuration(const RunOptions& options) {
   if (timing) timing->stream() << "timestamp_ns,track_ms,estimate_ms,map_ms,total_ms,health\n";
 
   std::optional<DebugReport> debug;
-  if (!options.debug.directory.empty())
-    debug.emplace(options.debug, options.config + " on " + options.dataset.string());
+  if (!options.debug.directory.empty()) {
+    debug.emplace(options.debug, options.config + " on " + options.dataset.string(),
+                  options.debug.reference
+                      ? pl::io::read_trajectory(*options.debug.reference)
+                      : recording.read_groundtruth(configuration.needs.imu).value_or(pl::io::Trajectory()));
+  }
 
   const std::unique_ptr<Runner> runner = configuration.make(recording.calibration());
   std::size_t read = 0, skipped = 0, refused = 0, poses = 0;

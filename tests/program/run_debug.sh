@@ -10,8 +10,8 @@ recording=recording
 part=(--config "$config" --dataset "$recording" --start 2.2)
 frames=20
 "$plumbline" run "${part[@]}" --trajectory plain.tum > /dev/null 2>&1
-"$plumbline" run "${part[@]}" --trajectory out.tum --debug debug \
-  --reference "$recording/groundtruth.txt" > out.txt 2> err.txt || fail "run --debug: $(cat err.txt)"
+"$plumbline" run "${part[@]}" --trajectory out.tum --debug debug > out.txt 2> err.txt ||
+  fail "run --debug: $(cat err.txt)"
 cmp plain.tum out.tum || fail "looking at it changed the trajectory"
 
 pictures=$(find debug/frames -name '??????.jpg' -size +5k | wc -l)
@@ -59,10 +59,11 @@ for file in frames/000000.jpg trajectory.png "<svg"; do
   grep -q "$file" debug/report.html || fail "report.html does not show $file"
 done
 
+rm "$recording"/groundtruth*
 "$plumbline" run "${part[@]}" --trajectory out.tum --debug thin --debug-every 7 > /dev/null 2>&1 ||
   fail "run --debug-every"
 [[ $(find thin/frames -type f | wc -l) == $(((frames + 6) / 7)) ]] || fail "not every seventh frame"
-[[ $(wc -l < thin/frames.csv) == $((frames + 1)) && ! -e thin/error.csv ]] || fail "tables without a reference"
+[[ $(wc -l < thin/frames.csv) == $((frames + 1)) && ! -e thin/error.csv ]] || fail "tables without a truth"
 
 run=(run --config "$config" --dataset "$recording" --trajectory other.tum)
 expect_error 'debug: exists and is not an empty folder' "${run[@]}" --debug debug
@@ -70,6 +71,6 @@ expect_error 'out.tum: exists and is not an empty folder' "${run[@]}" --debug ou
 expect_error '/dev/null/debug: cannot be made' "${run[@]}" --debug /dev/null/debug
 expect_error 'missing.txt: no such file' "${run[@]}" --debug new --reference missing.txt
 expect_error '--debug-every' "${run[@]}" --debug new --debug-every 0
-expect_error 'requires --debug' "${run[@]}" --reference "$recording/groundtruth.txt"
+expect_error 'requires --debug' "${run[@]}" --reference plain.tum
 [[ ! -e other.tum && ! -e new ]] || fail "files were left behind"
 finish
