@@ -28,7 +28,7 @@ struct DepthSensor {
   S units_per_metre = S(1000);  ///< metres = raw value / units_per_metre; raw 0 is no measurement
   S z_min = S(0.3);             ///< [m]
   S z_max = S(8);               ///< [m]
-  S k = S(4.0e-3);              ///< [1/m] of (9)
+  S k = S(6.0e-3);              ///< [1/m] of (9)
   S k0 = S(3.0e-2);             ///< [m] of (9): calibration, registration and time stamps are not better than this
   S edge_sigmas = S(3);         ///< the 3x3 neighbours may differ by this many sigma, else it is a depth edge
 
