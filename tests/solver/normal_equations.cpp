@@ -134,7 +134,7 @@ TEST_CASE("normal_equations: starts from what is known, and takes whole blocks")
   system.normal->reset(blocks, lower);
   system.normal->add_block(3, 1, B);
   system.normal->add_block(4, 2, C);
-  system.normal->subtract_product<2, 2>(4, a, 0, b);
+  system.normal->subtract_product<2, 2>(4, a.data(), 0, b.data());
   system.normal->add_gradient(2, g);
   system.normal->add_gradient(Eigen::VectorXd::Ones(dim));
   Eigen::MatrixXd H = known;

@@ -25,7 +25,8 @@ TEMPLATE_TEST_CASE("relative_equations: the sums are those of the rows written o
       const int a = int(random.below(blocks)), j = int(random.below(blocks));
       const Mat<S, 2, block_dim> J = random_matrix<S, 2, block_dim>(random);
       const Vec<S, 2> r = random_matrix<S, 2, 1>(random);
-      pairs.template add<2>(a, j, J, r);
+      const Mat<S, block_dim, 2> rows_of_J = J.transpose();
+      pairs.template add<2>(a, j, rows_of_J.data(), r.data());
       Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2, dim);
       rows.block<2, block_dim>(0, j * normal_dim) = J.template cast<double>();
       if (a != j) rows.block<2, block_dim>(0, a * normal_dim) = -J.template cast<double>() * pairs.transport(a, j);
@@ -51,7 +52,8 @@ TEST_CASE("relative_equations: moving all blocks alike changes nothing, though t
     for (int j = 0; j < blocks; ++j) {
       if (a == j) continue;
       pairs.set_transport(a, j, moved[j] * Eigen::MatrixXd(moved[a]).inverse());
-      pairs.add<3>(a, j, random_matrix<float, 3, 6>(random), random_matrix<float, 3, 1>(random));
+      pairs.add<3>(a, j, random_matrix<float, 6, 3>(random).eval().data(),
+                   random_matrix<float, 3, 1>(random).eval().data());
     }
   }
   NormalEquations<double, 6, blocks> normal;

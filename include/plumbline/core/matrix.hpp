@@ -2,6 +2,7 @@
 /// Fixed-size matrix aliases. Sizes are compile-time constants everywhere in the estimator: nothing here can allocate.
 
 #include <Eigen/Core>
+#include <cmath>
 
 namespace plumbline {
 
@@ -19,6 +20,15 @@ Mat<typename Derived::Scalar, 3, 3> hat(const Eigen::MatrixBase<Derived>& a) {
   Mat<S, 3, 3> out;
   out << S(0), -a.z(), a.y(), a.z(), S(0), -a.x(), -a.y(), a.x(), S(0);
   return out;
+}
+
+/// True when no number is NaN or infinite.
+template <class Derived>
+bool all_finite(const Eigen::PlainObjectBase<Derived>& m) {
+  for (int k = 0; k < int(m.size()); ++k) {
+    if (!std::isfinite(m.data()[k])) return false;
+  }
+  return true;
 }
 
 }  // namespace plumbline

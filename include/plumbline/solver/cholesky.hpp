@@ -12,7 +12,6 @@
 #include <limits>
 
 #include "plumbline/core/assert.hpp"
-#include "plumbline/core/matrix.hpp"
 
 namespace plumbline {
 
@@ -30,17 +29,17 @@ class Cholesky {
     for (int i = 0; i < tiles(); ++i) {
       int first = i;
       for (int j = i; j >= 0; --j) {
-        if (read(A, damping, order, i, j, at(i, j))) first = j;
+        if (read(A.derived(), damping.derived(), order, i, j, at(i, j))) first = j;
       }
       first_[i] = first;
+      S* const inverse_diagonal = inverse_diagonal_.data();
       for (int j = first; j < i; ++j) {
-        Tile& T = at(i, j);
-        subtract_products(i, j, T);
-        divide(T, at(j, j), inverse_diagonal_.data() + j * width);
+        subtract_products(i, j, at(i, j));
+        divide(at(i, j), at(j, j), inverse_diagonal + j * width);
       }
-      const Vec<S, width> diagonal = at(i, i).diagonal();
+      const Tile original = at(i, i);
       subtract_products(i, i, at(i, i));
-      if (!factorize(at(i, i), diagonal, inverse_diagonal_.data() + i * width)) return false;
+      if (!factorize(at(i, i), original, inverse_diagonal + i * width)) return false;
     }
     return true;
   }
@@ -55,15 +54,15 @@ class Cholesky {
     Padded y = padded(x);
     forward(y, 0);
     for (int i = tiles() - 1; i >= 0; --i) {
-      Part y_i(y.data() + i * width);
+      S* const y_i = y.data() + i * width;
       const Tile& L = at(i, i);
       for (int c = width - 1; c >= 0; --c) {
         for (int k = c + 1; k < width; ++k) y_i[c] -= L(k, c) * y_i[k];
         y_i[c] *= inverse_diagonal_[i * width + c];
       }
-      for (int k = first_[i]; k < i; ++k) Part(y.data() + k * width).noalias() -= at(i, k).transpose() * y_i;
+      for (int k = first_[i]; k < i; ++k) subtract_transposed(at(i, k), y_i, y.data() + k * width);
     }
-    x = y.head(dim_);
+    for (int k = 0; k < dim_; ++k) x[k] = y[k];
   }
 
   /// x <- L^-1 x, where the numbers of x before `first` are zero.
@@ -71,14 +70,18 @@ class Cholesky {
   void forward_in_place(Eigen::MatrixBase<D>& x, int first) const {
     Padded y = padded(x);
     forward(y, first / width);
-    x = y.head(dim_);
+    for (int k = 0; k < dim_; ++k) x[k] = y[k];
   }
 
  private:
   static constexpr int width = 4, max_tiles = (MaxDim + width - 1) / width;
-  using Tile = Mat<S, width, width>;
-  using Part = Eigen::Map<Vec<S, width>>;
-  using Padded = Vec<S, max_tiles * width>;
+  /// One block, column by column.
+  struct Tile {
+    S values[width * width];
+    S& operator()(int r, int c) { return values[c * width + r]; }
+    const S& operator()(int r, int c) const { return values[c * width + r]; }
+  };
+  using Padded = std::array<S, std::size_t(max_tiles) * width>;
 
   int tiles() const { return (dim_ + width - 1) / width; }
   Tile& at(int i, int j) { return tiles_[std::size_t(i * (i + 1) / 2 + j)]; }
@@ -86,16 +89,14 @@ class Cholesky {
 
   template <class D>
   Padded padded(const Eigen::MatrixBase<D>& x) const {
-    Padded y;
-    y.head(dim_) = x;
-    y.segment(dim_, tiles() * width - dim_).setZero();
+    Padded y{};
+    for (int k = 0; k < dim_; ++k) y[k] = x[k];
     return y;
   }
 
   /// Block (i, j) of the matrix, the identity beyond its end. False when it is zero.
   template <class DA, class Dd, class Order>
-  bool read(const Eigen::MatrixBase<DA>& A, const Eigen::MatrixBase<Dd>& damping, Order&& order, int i, int j,
-            Tile& out) const {
+  bool read(const DA& A, const Dd& damping, Order&& order, int i, int j, Tile& out) const {
     bool any = i == j;
     for (int c = 0; c < width; ++c) {
       for (int r = 0; r < width; ++r) {
@@ -113,36 +114,60 @@ class Cholesky {
     return any;
   }
 
+  /// T -= sum_k L_ik L_jk^T, k < j
   void subtract_products(int i, int j, Tile& T) const {
+    Tile sum = T;  // in registers
     for (int k = first_[i] > first_[j] ? first_[i] : first_[j]; k < j; ++k) {
-      T.noalias() -= at(i, k) * at(j, k).transpose();
+      const Tile &A = at(i, k), &B = at(j, k);
+      for (int c = 0; c < width; ++c) {
+        for (int n = 0; n < width; ++n) {
+          for (int r = 0; r < width; ++r) sum(r, c) -= A(r, n) * B(c, n);
+        }
+      }
+    }
+    T = sum;
+  }
+  /// y -= A x
+  static void subtract(const Tile& A, const S* x, S* y) {
+    for (int c = 0; c < width; ++c) {
+      for (int r = 0; r < width; ++r) y[r] -= A(r, c) * x[c];
+    }
+  }
+  /// y -= A^T x
+  static void subtract_transposed(const Tile& A, const S* x, S* y) {
+    for (int c = 0; c < width; ++c) {
+      for (int r = 0; r < width; ++r) y[c] -= A(r, c) * x[r];
+    }
+  }
+  /// Column c of T less those before it times row c of L.
+  static void subtract_columns(const Tile& L, int c, Tile& T) {
+    for (int k = 0; k < c; ++k) {
+      for (int r = 0; r < width; ++r) T(r, c) -= L(c, k) * T(r, k);
     }
   }
   /// T <- T L^-T
   static void divide(Tile& T, const Tile& L, const S* inverse_diagonal) {
     for (int c = 0; c < width; ++c) {
-      for (int k = 0; k < c; ++k) T.col(c) -= L(c, k) * T.col(k);
-      T.col(c) *= inverse_diagonal[c];
+      subtract_columns(L, c, T);
+      for (int r = 0; r < width; ++r) T(r, c) *= inverse_diagonal[c];
     }
   }
-  /// T <- its factor. A pivot that is rounding of the diagonal it came from does not count.
-  bool factorize(Tile& T, const Vec<S, width>& diagonal, S* inverse_diagonal) const {
+  /// T <- its factor. A pivot that is rounding of the diagonal it came from, that of `original`, does not count.
+  bool factorize(Tile& T, const Tile& original, S* inverse_diagonal) const {
     const S tolerance = S(dim_) * std::numeric_limits<S>::epsilon();
     for (int c = 0; c < width; ++c) {
-      for (int k = 0; k < c; ++k) T.col(c) -= T(c, k) * T.col(k);
+      subtract_columns(T, c, T);
       const S pivot = T(c, c);
-      if (!(pivot > tolerance * diagonal[c]) || !(pivot <= std::numeric_limits<S>::max())) return false;
+      if (!(pivot > tolerance * original(c, c)) || !(pivot <= std::numeric_limits<S>::max())) return false;
       inverse_diagonal[c] = S(1) / std::sqrt(pivot);
-      T.col(c) *= inverse_diagonal[c];
+      for (int r = 0; r < width; ++r) T(r, c) *= inverse_diagonal[c];
     }
     return true;
   }
   void forward(Padded& y, int first) const {
     for (int i = first; i < tiles(); ++i) {
-      Part y_i(y.data() + i * width);
-      for (int k = first_[i] > first ? first_[i] : first; k < i; ++k) {
-        y_i.noalias() -= at(i, k) * Part(y.data() + k * width);
-      }
+      S* const y_i = y.data() + i * width;
+      for (int k = first_[i] > first ? first_[i] : first; k < i; ++k) subtract(at(i, k), y.data() + k * width, y_i);
       const Tile& L = at(i, i);
       for (int c = 0; c < width; ++c) {
         y_i[c] *= inverse_diagonal_[i * width + c];

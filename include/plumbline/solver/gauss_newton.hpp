@@ -20,9 +20,15 @@ class DenseNormalEquations {
 
   template <class T, int R>
   void add(const Mat<T, R, D>& J, const Vec<T, R>& r, S weight) {
-    const Mat<S, R, D> wJ = weight * J.template cast<S>();
-    H_.noalias() += wJ.transpose() * J.template cast<S>();
-    b_.noalias() += wJ.transpose() * r.template cast<S>();
+    for (int k = 0; k < R; ++k) {
+      S row[D];
+      for (int i = 0; i < D; ++i) row[i] = S(J(k, i));
+      for (int j = 0; j < D; ++j) {
+        const S scale = weight * row[j];
+        for (int i = 0; i < D; ++i) H_(i, j) += row[i] * scale;
+        b_[j] += scale * S(r[k]);
+      }
+    }
   }
   /// 1/2 sum rho over all that was given to `add_cost`.
   S cost() const { return sum_rho_ / 2; }
@@ -31,23 +37,26 @@ class DenseNormalEquations {
   /// (H + mu clip(diag H)) d = -b. False, and d undefined, when H is singular or anything is not finite.
   bool solve(Vec<S, D>& d, S mu = S(0)) const {
     Cholesky<S, D> factor;
-    const Vec<S, D> damping = mu * H_.diagonal().unaryExpr([](S x) { return damping_scale(x); });
+    Vec<S, D> damping;
+    for (int k = 0; k < D; ++k) damping[k] = mu * damping_scale(H_(k, k));
     if (!factor.compute(H_, damping)) return false;
-    d = -b_;
+    for (int k = 0; k < D; ++k) d[k] = -b_[k];
     factor.solve_in_place(d);
-    return d.allFinite();
+    return all_finite(d);
   }
 
   /// H^-1. False when H is singular.
   bool covariance(Mat<S, D, D>& covariance) const {
     Cholesky<S, D> factor;
-    if (!factor.compute(H_, Vec<S, D>::Zero())) return false;
-    for (int k = 0; k < D; ++k) {
-      Vec<S, D> column = Vec<S, D>::Unit(k);
+    Vec<S, D> column;
+    column.setZero();  // no damping
+    if (!factor.compute(H_, column)) return false;
+    for (int c = 0; c < D; ++c) {
+      for (int k = 0; k < D; ++k) column[k] = S(k == c);
       factor.solve_in_place(column);
-      covariance.col(k) = column;
+      for (int k = 0; k < D; ++k) covariance(k, c) = column[k];
     }
-    return covariance.allFinite();
+    return all_finite(covariance);
   }
 
   const Mat<S, D, D>& H() const { return H_; }

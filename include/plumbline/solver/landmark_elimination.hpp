@@ -21,7 +21,6 @@
 #include <bitset>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
@@ -56,7 +55,9 @@ class LandmarkElimination {
   bool add(int block, const Mat<S, R, BlockDim>& J, const Mat<S, R, LandmarkDim>& J_l, const Vec<S, R>& r) {
     PLUMBLINE_ASSERT(block >= 0 && block < MaxBlocks && block != anchor_);
     if (rows_ + R > MaxRows) return false;
-    J_p_.template middleRows<R>(rows_) = J;
+    for (int k = 0; k < R; ++k) {
+      for (int c = 0; c < BlockDim; ++c) J_p_[rows_ + k][c] = J(k, c);
+    }
     for (int k = 0; k < R; k += max_group_rows) {
       groups_.push_back({std::int16_t(block), std::int16_t(rows_ + k), std::int16_t(std::min(R - k, max_group_rows))});
     }
@@ -66,9 +67,10 @@ class LandmarkElimination {
   template <int R>
   bool add(const Mat<S, R, LandmarkDim>& J_l, const Vec<S, R>& r) {
     if (rows_ + R > MaxRows) return false;
-    J_l_.template middleRows<R>(rows_) = J_l;
-    r_.template segment<R>(rows_) = r;
-    rows_ += R;
+    for (int k = 0; k < R; ++k, ++rows_) {
+      for (int l = 0; l < LandmarkDim; ++l) J_l_[rows_][l] = J_l(k, l);
+      r_[rows_] = r[k];
+    }
     return true;
   }
 
@@ -76,8 +78,8 @@ class LandmarkElimination {
   void add_to(Pairs& pairs) const {
     for (const Group& group : groups_) {
       unrolled(group, [&]<int R>() {
-        pairs.template add<R>(anchor_ == no_anchor ? group.block : anchor_, group.block,
-                              J_p_.template middleRows<R>(group.first_row), r_.template segment<R>(group.first_row));
+        pairs.template add<R>(anchor_ == no_anchor ? group.block : anchor_, group.block, J_p_[group.first_row].data(),
+                              &r_[group.first_row]);
       });
     }
   }
@@ -88,26 +90,22 @@ class LandmarkElimination {
     mu_ = Acc(mu);
     Columns Q;
     if (!factorize(Q)) return false;
-    c_.setZero();
-    for (int k = 0; k < rows_; ++k) c_ += Acc(r_[k]) * Q[k];
-
+    c_.fill(Acc(0));
+    for (int k = 0; k < rows_; ++k) {
+      for (int l = 0; l < LandmarkDim; ++l) c_[l] += Q[k][l] * Acc(r_[k]);
+    }
     touched_.reset();
     for (const Group& group : groups_) {
-      unrolled(group, [&]<int R>() {
-        const Eigen::Matrix<Acc, R, BlockDim, Eigen::RowMajor> rows =
-            J_p_.template middleRows<R>(group.first_row).template cast<Acc>();
-        Strip A_j = touched_[group.block] ? A(group.block) : Strip(Strip::Zero());
-        for (int k = 0; k < R; ++k) A_j.noalias() += Q[group.first_row + k] * rows.row(k);
-        A(group.block) = A_j;
-        touched_[group.block] = true;
-      });
+      if (!touched_[group.block]) A_[group.block].fill(Acc(0));
+      touched_[group.block] = true;
+      unrolled(group, [&]<int R>() { add_products<R>(&Q[group.first_row], &J_p_[group.first_row], A_[group.block]); });
     }
     if (anchor_ != no_anchor) {
-      Strip A_a = Strip::Zero();
+      Strip A_a{};
       for (int j = 0; j < MaxBlocks; ++j) {
-        if (touched_[j]) A_a.noalias() -= A(j) * pairs.transport(anchor_, j);
+        if (touched_[j]) subtract_product(A_[j], pairs.transport(anchor_, j), A_a);
       }
-      A(anchor_) = A_a;
+      A_[anchor_] = A_a;
       touched_[anchor_] = true;
     }
     return is_finite();
@@ -120,9 +118,10 @@ class LandmarkElimination {
                   "plumbline: a pose of the landmark does not fit a block of the normal equations");
     for (int i = 0; i < MaxBlocks; ++i) {
       if (!touched_[i]) continue;
-      normal.add_gradient(i, -A(i).transpose() * c_);
+      const Acc* const A_i = A_[i].data();
+      normal.template add_gradient<BlockDim>(i, A_i, c_.data(), LandmarkDim, BlockDim, Acc(-1));
       for (int j = 0; j <= i; ++j) {
-        if (touched_[j]) normal.template subtract_product<LandmarkDim, BlockDim>(i, A(i), j, A(j));
+        if (touched_[j]) normal.template subtract_product<LandmarkDim, BlockDim>(i, A_i, j, A_[j].data());
       }
     }
   }
@@ -130,20 +129,24 @@ class LandmarkElimination {
   /// (12), for the poses' step d; `stride` is the block_dim of the normal equations.
   template <class D>
   Vec<S, LandmarkDim> back_substitute(const Eigen::MatrixBase<D>& d, int stride = BlockDim) const {
-    Vec<Acc, LandmarkDim> dl = -c_;
+    Column rhs = c_;
     for (int j = 0; j < MaxBlocks; ++j) {
-      if (touched_[j]) dl.noalias() -= A(j) * d.template segment<BlockDim>(j * stride).template cast<Acc>();
+      if (!touched_[j]) continue;
+      for (int l = 0; l < LandmarkDim; ++l) {
+        for (int c = 0; c < BlockDim; ++c) rhs[l] += A_[j][l * BlockDim + c] * Acc(d[j * stride + c]);
+      }
     }
-    for (int k = LandmarkDim - 1; k >= 0; --k) {
-      dl[k] /= R1_(k, k);
-      dl.head(k) -= dl[k] * R1_.col(k).head(k);
-    }
-    return dl.template cast<S>();
+    solve_triangle(rhs);
+    Vec<S, LandmarkDim> dl;
+    for (int l = 0; l < LandmarkDim; ++l) dl[l] = S(-rhs[l]);
+    return dl;
   }
 
   /// What this landmark adds to NormalEquations::predicted_decrease of the same mu, for its step dl.
   Acc predicted_decrease(const Vec<S, LandmarkDim>& dl) const {
-    return (c_.squaredNorm() + mu_ * damping_.dot(dl.template cast<Acc>().cwiseAbs2())) / 2;
+    Acc sum = Acc(0);
+    for (int l = 0; l < LandmarkDim; ++l) sum += c_[l] * c_[l] + mu_ * damping_[l] * Acc(dl[l]) * Acc(dl[l]);
+    return sum / 2;
   }
 
   /// (J_l^T J_l)^-1: the landmark's covariance given the poses. False when it is not determined.
@@ -151,17 +154,19 @@ class LandmarkElimination {
     mu_ = Acc(0);
     Columns Q;
     if (!factorize(Q)) return false;
-    Mat<Acc, LandmarkDim, LandmarkDim> inverse;  // of R1, column by column
+    std::array<Column, LandmarkDim> inverse{};  // of R1, column by column
     for (int c = 0; c < LandmarkDim; ++c) {
-      Vec<Acc, LandmarkDim> x = Vec<Acc, LandmarkDim>::Unit(c);
-      for (int k = LandmarkDim - 1; k >= 0; --k) {
-        x[k] /= R1_(k, k);
-        x.head(k) -= x[k] * R1_.col(k).head(k);
-      }
-      inverse.col(c) = x;
+      inverse[c][c] = Acc(1);
+      solve_triangle(inverse[c]);
     }
-    out = (inverse * inverse.transpose()).template cast<S>();
-    return out.allFinite();
+    for (int r = 0; r < LandmarkDim; ++r) {
+      for (int c = 0; c < LandmarkDim; ++c) {
+        Acc sum = Acc(0);
+        for (const Column& column : inverse) sum += column[r] * column[c];
+        out(r, c) = S(sum);
+      }
+    }
+    return all_finite(out);
   }
 
   /// For marginalization: writes [J_l | J_p | r] to the upper left of `work`, at least rows() x (LandmarkDim + dim + 1)
@@ -170,16 +175,21 @@ class LandmarkElimination {
   template <class D>
   int reduced_rows(Eigen::MatrixBase<D>& work, const Pairs& pairs, int stride = BlockDim) const {
     using T = typename D::Scalar;
-    work.topRows(rows_).setZero();
-    work.topRows(rows_).template leftCols<LandmarkDim>() = J_l_.topRows(rows_).template cast<T>();
-    work.col(work.cols() - 1).head(rows_) = r_.head(rows_).template cast<T>();
+    for (int k = 0; k < rows_; ++k) {
+      for (int c = LandmarkDim; c < int(work.cols()) - 1; ++c) work(k, c) = T(0);
+      for (int l = 0; l < LandmarkDim; ++l) work(k, l) = T(J_l_[k][l]);
+      work(k, work.cols() - 1) = T(r_[k]);
+    }
     for (const Group& group : groups_) {
       for (int k = group.first_row; k < group.first_row + group.rows; ++k) {
-        const Mat<T, 1, BlockDim> row = J_p_.row(k).template cast<T>();
-        work.row(k).template segment<BlockDim>(LandmarkDim + group.block * stride) = row;
+        for (int c = 0; c < BlockDim; ++c) work(k, LandmarkDim + group.block * stride + c) = T(J_p_[k][c]);
         if (anchor_ == no_anchor) continue;
-        work.row(k).template segment<BlockDim>(LandmarkDim + anchor_ * stride) =
-            -row * pairs.transport(anchor_, group.block).template cast<T>();
+        const typename Pairs::Block& M = pairs.transport(anchor_, group.block);
+        for (int c = 0; c < BlockDim; ++c) {
+          T sum = T(0);
+          for (int m = 0; m < BlockDim; ++m) sum -= T(J_p_[k][m]) * T(M(m, c));
+          work(k, LandmarkDim + anchor_ * stride + c) = sum;
+        }
       }
     }
     return eliminate_leading_columns(work.topRows(rows_), LandmarkDim);
@@ -190,9 +200,11 @@ class LandmarkElimination {
   struct Group {
     std::int16_t block, first_row, rows;
   };
-  using Columns = std::array<Vec<Acc, LandmarkDim>, MaxRows + LandmarkDim>;  // those of J_l, row by row
-  /// Columns of A that belong to one block.
-  using Strip = Eigen::Matrix<Acc, LandmarkDim, BlockDim, Eigen::RowMajor>;
+  using Column = std::array<Acc, LandmarkDim>;                // one number for each of the landmark's parameters
+  using Columns = std::array<Column, MaxRows + LandmarkDim>;  // those of J_l, row by row
+  /// Columns of A that belong to one block, LandmarkDim x BlockDim, row by row.
+  using Strip = std::array<Acc, LandmarkDim * BlockDim>;
+  using PoseRow = std::array<S, BlockDim>;
 
   /// Calls visit<R>() for a group of R rows.
   template <class Visit>
@@ -204,39 +216,73 @@ class LandmarkElimination {
     }
   }
 
-  Strip& A(int block) { return A_[std::size_t(block)]; }
-  const Strip& A(int block) const { return A_[std::size_t(block)]; }
   bool is_finite() const {
-    Acc sum = c_.sum();
+    Acc sum = Acc(0);
+    for (const Acc c : c_) sum += c;
     for (int j = 0; j < MaxBlocks; ++j) {
-      if (touched_[j]) sum += A(j).sum();
+      if (!touched_[j]) continue;
+      for (const Acc a : A_[j]) sum += a;
     }
-    return std::abs(sum) <= std::numeric_limits<Acc>::max();
+    return std::isfinite(sum);
+  }
+
+  /// A += sum_k q_k j_k^T
+  template <int R>
+  static void add_products(const Column* q, const PoseRow* j, Strip& A) {
+    for (int l = 0; l < LandmarkDim; ++l) {
+      for (int c = 0; c < BlockDim; ++c) {
+        Acc sum = A[l * BlockDim + c];
+        for (int k = 0; k < R; ++k) sum += q[k][l] * Acc(j[k][c]);
+        A[l * BlockDim + c] = sum;
+      }
+    }
+  }
+  /// out -= A M
+  static void subtract_product(const Strip& A, const typename Pairs::Block& M, Strip& out) {
+    for (int l = 0; l < LandmarkDim; ++l) {
+      for (int c = 0; c < BlockDim; ++c) {
+        Acc sum = Acc(0);
+        for (int m = 0; m < BlockDim; ++m) sum += A[l * BlockDim + m] * M(m, c);
+        out[l * BlockDim + c] -= sum;
+      }
+    }
+  }
+  /// x <- R1^-1 x
+  void solve_triangle(Column& x) const {
+    for (int k = LandmarkDim - 1; k >= 0; --k) {
+      x[k] /= R1_[k][k];
+      for (int l = 0; l < k; ++l) x[l] -= x[k] * R1_[l][k];
+    }
   }
 
   /// Q1 (the rows of the damping, if any, are last), R1_ and damping_.
   bool factorize(Columns& Q) {
-    using Row = Vec<Acc, LandmarkDim>;
-    Row squared_norm = Row::Zero();
-    for (int k = 0; k < rows_; ++k) squared_norm += J_l_.row(k).transpose().template cast<Acc>().cwiseAbs2();
-    damping_ = squared_norm.unaryExpr([](Acc x) { return damping_scale(x); });
-    squared_norm += mu_ * damping_;
+    Column squared_norm{};
+    for (int k = 0; k < rows_; ++k) {
+      for (int l = 0; l < LandmarkDim; ++l) squared_norm[l] += Acc(J_l_[k][l]) * Acc(J_l_[k][l]);
+    }
+    for (int l = 0; l < LandmarkDim; ++l) {
+      damping_[l] = damping_scale(squared_norm[l]);
+      squared_norm[l] += mu_ * damping_[l];
+    }
     if constexpr (LandmarkDim == 1) {
-      R1_(0, 0) = std::sqrt(squared_norm[0]);
-      const Acc inverse = Acc(1) / R1_(0, 0);
-      for (int k = 0; k < rows_; ++k) Q[k][0] = inverse * Acc(J_l_(k, 0));
+      R1_[0][0] = std::sqrt(squared_norm[0]);
+      const Acc inverse = Acc(1) / R1_[0][0];
+      for (int k = 0; k < rows_; ++k) Q[k][0] = inverse * Acc(J_l_[k][0]);
       return squared_norm[0] > Acc(0);
     }
     Columns W;  // J_l, then [R1; 0]
-    for (int k = 0; k < rows_; ++k) W[k] = J_l_.row(k).transpose().template cast<Acc>();
+    for (int k = 0; k < rows_; ++k) {
+      for (int l = 0; l < LandmarkDim; ++l) W[k][l] = Acc(J_l_[k][l]);
+    }
     int n = rows_;
-    if (mu_ > 0) {
-      const Row sqrt_damping = (mu_ * damping_).cwiseSqrt();
-      for (int l = 0; l < LandmarkDim; ++l) W[n++] = sqrt_damping[l] * Row::Unit(l);
+    for (int l = 0; l < LandmarkDim && mu_ > 0; ++l) {
+      W[n].fill(Acc(0));
+      W[n++][l] = std::sqrt(mu_ * damping_[l]);
     }
     if (n < LandmarkDim) return false;
     Columns V;  // the reflections; full rows, as what stands left of the pivot is zero in W and Q
-    Row tau;
+    Column tau;
     for (int k = 0; k < LandmarkDim; ++k) {
       Acc tail_squared = Acc(0);
       for (int i = k + 1; i < n; ++i) tail_squared += W[i][k] * W[i][k];
@@ -246,31 +292,39 @@ class LandmarkElimination {
       const Acc scale = Acc(1) / (pivot - beta);
       for (int i = k + 1; i < n; ++i) V[i][k] = scale * W[i][k];
       reflect_rows(V, k, tau[k], n, W);
-      R1_.row(k) = W[k].transpose();
+      R1_[k] = W[k];
     }
-    for (int k = 0; k < n; ++k) Q[k] = k < LandmarkDim ? Row(Row::Unit(k)) : Row(Row::Zero());
+    for (int k = 0; k < n; ++k) {
+      for (int l = 0; l < LandmarkDim; ++l) Q[k][l] = Acc(k == l);
+    }
     for (int k = LandmarkDim - 1; k >= 0; --k) reflect_rows(V, k, tau[k], n, Q);
     return true;
   }
   /// Rows [k, n) of M by the reflection I - tau v v^T, v = [1; column k of V below row k].
   static void reflect_rows(const Columns& V, int k, Acc tau, int n, Columns& M) {
-    Vec<Acc, LandmarkDim> w = M[k];
-    for (int i = k + 1; i < n; ++i) w += V[i][k] * M[i];
-    w *= tau;
-    M[k] -= w;
-    for (int i = k + 1; i < n; ++i) M[i] -= V[i][k] * w;
+    Column w = M[k];
+    for (int i = k + 1; i < n; ++i) {
+      for (int l = 0; l < LandmarkDim; ++l) w[l] += V[i][k] * M[i][l];
+    }
+    for (int l = 0; l < LandmarkDim; ++l) {
+      w[l] *= tau;
+      M[k][l] -= w[l];
+    }
+    for (int i = k + 1; i < n; ++i) {
+      for (int l = 0; l < LandmarkDim; ++l) M[i][l] -= V[i][k] * w[l];
+    }
   }
 
   int rows_ = 0, anchor_ = no_anchor;
   Acc mu_ = Acc(0);
   FixedVector<Group, MaxRows> groups_;
   std::bitset<MaxBlocks> touched_;  ///< blocks that A has columns of
-  Eigen::Matrix<S, MaxRows, BlockDim, Eigen::RowMajor> J_p_;
-  Mat<S, MaxRows, LandmarkDim> J_l_;
-  Vec<S, MaxRows> r_;
+  std::array<PoseRow, MaxRows> J_p_;
+  std::array<std::array<S, LandmarkDim>, MaxRows> J_l_;
+  std::array<S, MaxRows> r_;
   std::array<Strip, MaxBlocks> A_;
-  Mat<Acc, LandmarkDim, LandmarkDim> R1_;
-  Vec<Acc, LandmarkDim> c_, damping_;
+  std::array<Column, LandmarkDim> R1_;  ///< row by row
+  Column c_, damping_;
 };
 
 }  // namespace plumbline

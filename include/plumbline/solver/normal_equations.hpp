@@ -43,13 +43,15 @@ class NormalEquations {
   /// Zero, for `blocks` active blocks.
   void reset(int blocks) {
     start(blocks);
-    H_.setZero();
+    std::fill_n(H_.data(), dim() * dim(), S(0));
   }
   /// H starts as what is known already (dim x dim, its lower triangle is read), b as zero.
   template <class DH>
   void reset(int blocks, const Eigen::MatrixBase<DH>& H) {
     start(blocks);
-    for (int j = 0; j < dim(); ++j) H_.col(j).tail(dim() - j) = H.col(j).tail(dim() - j);
+    for (int j = 0; j < dim(); ++j) {
+      for (int i = j; i < dim(); ++i) H_(i, j) = H(i, j);
+    }
   }
   /// The parameters in the order in which they are eliminated, the first dim() of them.
   void set_order(const Order& order) { order_ = order; }
@@ -91,95 +93,93 @@ class NormalEquations {
   template <class D>
   void add_block(int i, int j, const Eigen::MatrixBase<D>& B) {
     static_assert(D::RowsAtCompileTime <= BlockDim && D::ColsAtCompileTime <= BlockDim);
-    PLUMBLINE_ASSERT(i >= j && j >= 0 && i < blocks_);
-    H_.template block<D::RowsAtCompileTime, D::ColsAtCompileTime>(i * BlockDim, j * BlockDim) += B;
+    S* const block = block_at(i, j);
+    for (int c = 0; c < D::ColsAtCompileTime; ++c) {
+      for (int r = 0; r < D::RowsAtCompileTime; ++r) block[c * dim() + r] += B(r, c);
+    }
   }
   /// b_i += g.
-  template <class D>
-  void add_gradient(int i, const Eigen::MatrixBase<D>& g) {
-    b_.template segment<D::RowsAtCompileTime>(i * BlockDim) += g;
+  template <int C>
+  void add_gradient(int i, const Vec<S, C>& g) {
+    for (int c = 0; c < C; ++c) b_[i * BlockDim + c] += g[c];
   }
   /// b += g.
   template <class D>
   void add_gradient(const Eigen::MatrixBase<D>& g) {
-    b_ += g;
+    for (int k = 0; k < dim(); ++k) b_[k] += g[k];
   }
 
   /// H_ij += weight sum_k a_k b_k^T, i >= j, for rows a_k (C numbers) and b_k (D numbers) that are `stride` apart.
   template <int C, int D>
   void add_product(int i, const S* a, int j, const S* b, int rows, int stride, S weight) {
     static_assert(C <= BlockDim && D <= BlockDim, "plumbline: a Jacobian has more columns than a parameter block");
-    PLUMBLINE_ASSERT(i >= j && j >= 0 && i < blocks_);
-    const int dim = this->dim();
-    S* const block = H_.data() + j * BlockDim * dim + i * BlockDim;
-    const auto column = [&](int d) { return Eigen::Map<Vec<S, C>>(block + d * dim); };
-    const auto row = [&](int k) { return Eigen::Map<const Vec<S, C>>(a + k * stride); };
-    const auto scale = [&](int k, int d) { return weight * b[k * stride + d]; };
+    S* const block = block_at(i, j);
     int k = 0;
     for (; k + 3 <= rows; k += 3) {  // three rows at a time: H is read and written once for them
+      const S *a0 = a + k * stride, *a1 = a0 + stride, *a2 = a1 + stride;
       for (int d = 0; d < D; ++d) {
-        column(d) += scale(k, d) * row(k) + scale(k + 1, d) * row(k + 1) + scale(k + 2, d) * row(k + 2);
+        const S* const b_d = b + k * stride + d;
+        const S s0 = weight * b_d[0], s1 = weight * b_d[stride], s2 = weight * b_d[2 * stride];
+        S* const column = block + d * dim();
+        for (int c = 0; c < C; ++c) column[c] += s0 * a0[c] + s1 * a1[c] + s2 * a2[c];
       }
     }
-    for (; k + 2 <= rows; k += 2) {
-      for (int d = 0; d < D; ++d) column(d) += scale(k, d) * row(k) + scale(k + 1, d) * row(k + 1);
-    }
-    if (k < rows) {
-      for (int d = 0; d < D; ++d) column(d) += scale(k, d) * row(k);
+    for (; k < rows; ++k) {
+      for (int d = 0; d < D; ++d) add_scaled<C>(weight * b[k * stride + d], a + k * stride, block + d * dim());
     }
   }
-  /// H_ij -= a^T b, i >= j, for few rows.
+  /// H_ij -= a^T b, i >= j, for R rows of C numbers, one row after the other.
   template <int R, int C>
-  void subtract_product(int i, const Eigen::Matrix<S, R, C, Eigen::RowMajor>& a, int j,
-                        const Eigen::Matrix<S, R, C, Eigen::RowMajor>& b) {
-    PLUMBLINE_ASSERT(i >= j && j >= 0 && i < blocks_);
-    const int stride = dim();
-    S* column = H_.data() + j * BlockDim * stride + i * BlockDim;
-    for (int d = 0; d < C; ++d, column += stride) {
-      Vec<S, C> sum = b(0, d) * a.row(0).transpose();
-      for (int k = 1; k < R; ++k) sum += b(k, d) * a.row(k).transpose();
-      Eigen::Map<Vec<S, C>> out(column);
-      out -= sum;
+  void subtract_product(int i, const S* a, int j, const S* b) {
+    S* const block = block_at(i, j);
+    for (int d = 0; d < C; ++d) {
+      S column[C];
+      for (int c = 0; c < C; ++c) column[c] = b[d] * a[c];
+      for (int k = 1; k < R; ++k) add_scaled<C>(b[k * C + d], a + k * C, column);
+      add_scaled<C>(S(-1), column, block + d * dim());
     }
   }
   /// b_i += weight sum_k a_k r_k.
   template <int C>
   void add_gradient(int i, const S* a, const S* r, int rows, int stride, S weight) {
-    Eigen::Map<Vec<S, C>> segment(b_.data() + i * BlockDim);
-    for (int k = 0; k < rows; ++k) segment += (weight * r[k]) * Eigen::Map<const Vec<S, C>>(a + k * stride);
+    for (int k = 0; k < rows; ++k) add_scaled<C>(weight * r[k], a + k * stride, b_.data() + i * BlockDim);
   }
 
   /// The step (7). False, and d undefined, when the damped H is not positive definite or anything is not finite.
   bool solve(S mu, Vector& d) const {
-    if (!factorize(mu * scale())) return false;
+    if (!factorize(mu)) return false;
     Vector x(dim());
     for (int k = 0; k < dim(); ++k) x[k] = -b_[order_[k]];
     factor_.solve_in_place(x);
     d.resize(dim());
     for (int k = 0; k < dim(); ++k) d[order_[k]] = x[k];
-    return d.allFinite();
+    return all_finite(d);
   }
 
   /// (8), for the step d that `solve` gave with the same mu.
   S predicted_decrease(S mu, const Vector& d) const {
-    return (mu * scale().cwiseProduct(d.cwiseAbs2()).sum() - d.dot(b_)) / 2;
+    S sum = S(0);
+    for (int k = 0; k < dim(); ++k) sum += (mu * damping_scale(H_(k, k)) * d[k] - b_[k]) * d[k];
+    return sum / 2;
   }
 
   /// Covariance of the leading C parameters of block i: their part of H^-1. False when H is singular.
   template <int C>
   bool covariance_block(int i, Mat<S, C, C>& covariance) const {
     static_assert(C <= BlockDim);
-    if (!factorize(Vector::Zero(dim()))) return false;
-    Eigen::Matrix<S, Eigen::Dynamic, C, 0, max_dim, C> Y(dim(), C);  // L^-1 E, the covariance is Y^T Y
+    if (!factorize(S(0))) return false;
+    std::array<Vector, C> Y;  // columns of L^-1 E, the covariance is Y^T Y
     for (int k = 0; k < dim(); ++k) {
       const int c = order_[k] - i * BlockDim;
       if (c < 0 || c >= C) continue;
-      Vector column = Vector::Unit(dim(), k);
-      factor_.forward_in_place(column, k);
-      Y.col(c) = column;
+      Y[c].setZero(dim());
+      Y[c][k] = S(1);
+      factor_.forward_in_place(Y[c], k);
     }
-    covariance = Y.transpose().lazyProduct(Y);
-    return covariance.allFinite();
+    for (int r = 0; r < C; ++r) {
+      for (int c = 0; c <= r; ++c) covariance(r, c) = covariance(c, r) = Y[r].dot(Y[c]);
+    }
+    return all_finite(covariance);
   }
 
   const auto& H() const { return H_; }
@@ -213,11 +213,21 @@ class NormalEquations {
     sum_rho_ = S(0);
   }
 
-  bool factorize(const Vector& damping) const {
-    return factor_.compute(H_, damping, [this](int k) { return int(order_[k]); });
+  /// The lower triangle of H from block (i, j) on, its columns dim() apart.
+  S* block_at(int i, int j) {
+    PLUMBLINE_ASSERT(i >= j && j >= 0 && i < blocks_);
+    return H_.data() + (j * dim() + i) * BlockDim;
   }
-  Vector scale() const {
-    return H_.diagonal().unaryExpr([](S x) { return damping_scale(x); });
+  /// y += s x
+  template <int C>
+  static void add_scaled(S s, const S* x, S* y) {
+    for (int c = 0; c < C; ++c) y[c] += s * x[c];
+  }
+
+  bool factorize(S mu) const {
+    Vector damping(dim());
+    for (int k = 0; k < dim(); ++k) damping[k] = mu * damping_scale(H_(k, k));
+    return factor_.compute(H_, damping, [this](int k) { return int(order_[k]); });
   }
 
   int blocks_ = 0;

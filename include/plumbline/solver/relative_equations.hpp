@@ -33,18 +33,24 @@ class RelativeEquations {
   const Block& transport(int a, int j) const { return M_[index(a, j)]; }
   void set_transport(int a, int j, const Block& M) { M_[index(a, j)] = M; }
 
-  /// (9b) for rows J (R x BlockDim) and r.
-  template <int R, class DJ, class Dr>
-  void add(int a, int j, const Eigen::MatrixBase<DJ>& J, const Eigen::MatrixBase<Dr>& r) {
+  /// (9b) for R rows of BlockDim numbers, one after the other, and r.
+  template <int R, class T>
+  void add(int a, int j, const T* J, const T* r) {
     const std::size_t k = index(a, j);
     if (!used_[k]) {
       used_[k] = true;
       G_[k].setZero();
       g_[k].setZero();
     }
-    const Eigen::Matrix<S, BlockDim, R> columns = J.transpose().template cast<S>();
-    add_lower<0>(columns, G_[k]);
-    for (int n = 0; n < R; ++n) g_[k] += S(r[n]) * columns.col(n);
+    S rows[R][BlockDim];
+    for (int n = 0; n < R; ++n) {
+      for (int c = 0; c < BlockDim; ++c) rows[n][c] = S(J[n * BlockDim + c]);
+    }
+    add_lower<0>(rows, G_[k]);
+    S* const g = g_[k].data();
+    for (int n = 0; n < R; ++n) {
+      for (int c = 0; c < BlockDim; ++c) g[c] += S(r[n]) * rows[n][c];
+    }
   }
 
   /// (9c)
@@ -54,30 +60,43 @@ class RelativeEquations {
       for (int j = 0; j < MaxBlocks; ++j) {
         const std::size_t k = index(a, j);
         if (!used_[k]) continue;
-        const Block G = G_[k].template selfadjointView<Eigen::Lower>();
+        const Block G = symmetric(G_[k]);
         normal.add_block(j, j, G);
         normal.add_gradient(j, g_[k]);
         if (a == j) continue;
-        const Block GM = G * M_[k], MtGM = M_[k].transpose() * GM;
+        const Block minus_M = -M_[k], GM = G * minus_M;
         if (j > a) {
-          normal.add_block(j, a, -GM);
+          normal.add_block(j, a, GM);
         } else {
-          normal.add_block(a, j, -GM.transpose());
+          normal.add_block(a, j, GM.transpose());
         }
-        normal.add_block(a, a, MtGM);
-        normal.add_gradient(a, -M_[k].transpose() * g_[k]);
+        normal.add_block(a, a, Block(minus_M.transpose() * GM));
+        normal.add_gradient(a, Vec<S, BlockDim>(minus_M.transpose() * g_[k]));
       }
     }
   }
 
  private:
-  /// G += C C^T from column First on, its lower triangle; two columns at a time.
+  /// G += rows^T rows from column First on, its lower triangle; two columns at a time.
   template <int First, int R>
-  static void add_lower(const Eigen::Matrix<S, BlockDim, R>& C, Block& G) {
-    constexpr int n = BlockDim - First, width = n < 2 ? n : 2;
-    G.template block<n, width>(First, First).noalias() +=
-        C.template bottomRows<n>() * C.template middleRows<width>(First).transpose();
-    if constexpr (n > width) add_lower<First + width>(C, G);
+  static void add_lower(const S (&rows)[R][BlockDim], Block& G) {
+    constexpr int next = First + 2 < BlockDim ? First + 2 : BlockDim;
+    for (int c = First; c < next; ++c) {
+      S* const column = G.data() + c * BlockDim;
+      for (int i = First; i < BlockDim; ++i) {
+        S sum = rows[0][c] * rows[0][i];
+        for (int n = 1; n < R; ++n) sum += rows[n][c] * rows[n][i];
+        column[i] += sum;
+      }
+    }
+    if constexpr (next < BlockDim) add_lower<next>(rows, G);
+  }
+  static Block symmetric(const Block& lower) {
+    Block out;
+    for (int c = 0; c < BlockDim; ++c) {
+      for (int r = c; r < BlockDim; ++r) out(r, c) = out(c, r) = lower(r, c);
+    }
+    return out;
   }
 
   static constexpr std::size_t index(int a, int j) {
