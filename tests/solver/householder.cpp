@@ -16,15 +16,22 @@ TEMPLATE_TEST_CASE("householder: a reflection zeroes the tail and keeps lengths"
     Vec<S, 5> x = random_matrix<S, 5, 1>(random), y = random_matrix<S, 5, 1>(random);
     if (k % 3 == 0) x[0] = S(0);
     const Vec<S, 5> x0 = x, y0 = y;
-    const S tau = make_reflection(x[0], x.template tail<4>());
-    reflect(tau, x.template tail<4>(), y[0], y.template tail<4>());
+    const S tau = make_reflection(x[0], &x[1], 4);
+    reflect(tau, &x[1], y[0], &y[1], 4);
     REQUIRE(std::abs(std::abs(x[0]) - x0.norm()) < tolerance);
     REQUIRE(std::abs(y.norm() - y0.norm()) < tolerance);
     REQUIRE(std::abs(x[0] * y[0] - x0.dot(y0)) < tolerance);
   }
   Vec<S, 3> x(S(-2), S(0), S(0));
-  REQUIRE(make_reflection(x[0], x.template tail<2>()) == S(0));
+  REQUIRE(make_reflection(x[0], &x[1], 2) == S(0));
   REQUIRE(x[0] == S(-2));
+}
+
+TEST_CASE("householder: products of any length") {
+  for (const int n : {0, 1, 3, 4, 7, 8}) {
+    const Eigen::VectorXd a = Eigen::VectorXd::LinSpaced(9, 1, 9), b = Eigen::VectorXd::LinSpaced(9, 3, 11);
+    REQUIRE(dot(a.data(), b.data(), n) == a.head(n).dot(b.head(n)));
+  }
 }
 
 TEST_CASE("householder: eliminating columns leaves their Schur complement") {
@@ -32,7 +39,7 @@ TEST_CASE("householder: eliminating columns leaves their Schur complement") {
   const Eigen::MatrixXd M = random_matrix(random, 20, 9);
   const int m = 4, r = 5;
   Eigen::MatrixXd work = M;
-  REQUIRE(eliminate_leading_columns(work.topRows(20), m) == m);
+  REQUIRE(eliminate_leading_columns(work.data(), 20, m + r, 20, m) == m);
   const Eigen::MatrixXd J0 = work.block(m, m, 20 - m, r), Jm = M.leftCols(m), Jr = M.rightCols(r);
   const Eigen::MatrixXd schur =
       Jr.transpose() * Jr - Jr.transpose() * Jm * (Jm.transpose() * Jm).inverse() * Jm.transpose() * Jr;
@@ -46,11 +53,11 @@ TEST_CASE("householder: a column without information has no pivot") {
   M.col(0).setZero();
   M.col(2) = 2 * M.col(1);
   Eigen::MatrixXd work = M;
-  const int rank = eliminate_leading_columns(work.topRows(10), 3);
+  const int rank = eliminate_leading_columns(work.data(), 10, 6, 10, 3);
   REQUIRE(rank == 1);
   const Eigen::VectorXd q = M.col(1).normalized();
   const Eigen::MatrixXd Jr = M.rightCols(3), projected = Jr - q * q.transpose() * Jr, J0 = work.block(1, 3, 9, 3);
   REQUIRE(relative_error(J0.transpose() * J0, projected.transpose() * projected) < 1e-12);
   work.setZero();
-  REQUIRE(eliminate_leading_columns(work.topRows(10), 2) == 0);
+  REQUIRE(eliminate_leading_columns(work.data(), 10, 6, 10, 2) == 0);
 }

@@ -129,18 +129,17 @@ TEST_CASE("normal_equations: starts from what is known, and takes whole blocks")
   const Mat<double, 3, 3> B = random_matrix<double, 3, 3>(random);
   const Mat<double, 2, 2> C = random_matrix<double, 2, 2>(random);
   const Vec<double, 3> g = random_matrix<double, 3, 1>(random);
-  const Eigen::Matrix<double, 2, 2, Eigen::RowMajor> a = random_matrix<double, 2, 2>(random),
-                                                     b = random_matrix<double, 2, 2>(random);
+  const std::array<Vec<double, 2>, 1> a{random_matrix<double, 2, 1>(random)}, b{random_matrix<double, 2, 1>(random)};
   system.normal->reset(blocks, lower);
   system.normal->add_block(3, 1, B);
   system.normal->add_block(4, 2, C);
-  system.normal->subtract_product<2, 2>(4, a.data(), 0, b.data());
+  system.normal->subtract_product(4, a, 0, b);
   system.normal->add_gradient(2, g);
   system.normal->add_gradient(Eigen::VectorXd::Ones(dim));
   Eigen::MatrixXd H = known;
   H.block<3, 3>(9, 3) += B;
   H.block<2, 2>(12, 6) += C;
-  H.block<2, 2>(12, 0) -= a.transpose() * b;
+  H.block<2, 2>(12, 0) -= a[0] * b[0].transpose();
   Eigen::VectorXd gradient = Eigen::VectorXd::Ones(dim);
   gradient.segment<3>(6) += g;
   REQUIRE(relative_error(symmetric(system.normal->H()), Eigen::MatrixXd(H.selfadjointView<Eigen::Lower>())) < 1e-14);

@@ -326,7 +326,7 @@ class WindowBackend {
     views_.set_transports(window_, pairs_);
   }
 
-  double prior_cost() const { return (prior_.r0 + prior_.J0 * corrections()).squaredNorm() / 2; }
+  double prior_cost() const { return prior_.residual(corrections()).squaredNorm() / 2; }
 
   double inertial_cost() const {
     if constexpr (has_imu) {
@@ -373,7 +373,7 @@ class WindowBackend {
   void build_equations() {
     order_parameters();
     equations_.reset(K, prior_H_);
-    equations_.add_gradient(prior_.J0.transpose() * (prior_.r0 + prior_.J0 * corrections()));
+    equations_.add_gradient(prior_.gradient(prior_.residual(corrections())));
     for (int k = 0; k < K; ++k) {
       if (!window_[k].used) {
         equations_.add(k, Mat<double, block_dim, block_dim>::Identity().eval(), Vec<double, block_dim>::Zero().eval(),

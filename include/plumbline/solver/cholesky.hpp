@@ -116,12 +116,14 @@ class Cholesky {
 
   /// T -= sum_k L_ik L_jk^T, k < j
   void subtract_products(int i, int j, Tile& T) const {
-    Tile sum = T;  // in registers
+    Tile sum = T;
     for (int k = first_[i] > first_[j] ? first_[i] : first_[j]; k < j; ++k) {
       const Tile &A = at(i, k), &B = at(j, k);
       for (int c = 0; c < width; ++c) {
-        for (int n = 0; n < width; ++n) {
-          for (int r = 0; r < width; ++r) sum(r, c) -= A(r, n) * B(c, n);
+        for (int r = 0; r < width; ++r) {
+          S value = sum(r, c);
+          for (int n = 0; n < width; ++n) value -= A(r, n) * B(c, n);
+          sum(r, c) = value;
         }
       }
     }

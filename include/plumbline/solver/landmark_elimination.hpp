@@ -90,18 +90,17 @@ class LandmarkElimination {
     mu_ = Acc(mu);
     Columns Q;
     if (!factorize(Q)) return false;
-    c_.fill(Acc(0));
-    for (int k = 0; k < rows_; ++k) {
-      for (int l = 0; l < LandmarkDim; ++l) c_[l] += Q[k][l] * Acc(r_[k]);
-    }
+    c_.setZero();
+    for (int k = 0; k < rows_; ++k) c_ += Acc(r_[k]) * Q[k];
     touched_.reset();
     for (const Group& group : groups_) {
-      if (!touched_[group.block]) A_[group.block].fill(Acc(0));
+      if (!touched_[group.block]) set_zero(A_[group.block]);
       touched_[group.block] = true;
       unrolled(group, [&]<int R>() { add_products<R>(&Q[group.first_row], &J_p_[group.first_row], A_[group.block]); });
     }
     if (anchor_ != no_anchor) {
-      Strip A_a{};
+      Strip A_a;
+      set_zero(A_a);
       for (int j = 0; j < MaxBlocks; ++j) {
         if (touched_[j]) subtract_product(A_[j], pairs.transport(anchor_, j), A_a);
       }
@@ -118,10 +117,11 @@ class LandmarkElimination {
                   "plumbline: a pose of the landmark does not fit a block of the normal equations");
     for (int i = 0; i < MaxBlocks; ++i) {
       if (!touched_[i]) continue;
-      const Acc* const A_i = A_[i].data();
-      normal.template add_gradient<BlockDim>(i, A_i, c_.data(), LandmarkDim, BlockDim, Acc(-1));
+      Vec<Acc, BlockDim> g = -c_[0] * A_[i][0];
+      for (int l = 1; l < LandmarkDim; ++l) g -= c_[l] * A_[i][l];
+      normal.add_gradient(i, g);
       for (int j = 0; j <= i; ++j) {
-        if (touched_[j]) normal.template subtract_product<LandmarkDim, BlockDim>(i, A_i, j, A_[j].data());
+        if (touched_[j]) normal.subtract_product(i, A_[i], j, A_[j]);
       }
     }
   }
@@ -133,7 +133,7 @@ class LandmarkElimination {
     for (int j = 0; j < MaxBlocks; ++j) {
       if (!touched_[j]) continue;
       for (int l = 0; l < LandmarkDim; ++l) {
-        for (int c = 0; c < BlockDim; ++c) rhs[l] += A_[j][l * BlockDim + c] * Acc(d[j * stride + c]);
+        for (int c = 0; c < BlockDim; ++c) rhs[l] += A_[j][l][c] * Acc(d[j * stride + c]);
       }
     }
     solve_triangle(rhs);
@@ -154,9 +154,9 @@ class LandmarkElimination {
     mu_ = Acc(0);
     Columns Q;
     if (!factorize(Q)) return false;
-    std::array<Column, LandmarkDim> inverse{};  // of R1, column by column
+    std::array<Column, LandmarkDim> inverse;  // of R1, column by column
     for (int c = 0; c < LandmarkDim; ++c) {
-      inverse[c][c] = Acc(1);
+      for (int l = 0; l < LandmarkDim; ++l) inverse[c][l] = Acc(l == c);
       solve_triangle(inverse[c]);
     }
     for (int r = 0; r < LandmarkDim; ++r) {
@@ -192,7 +192,8 @@ class LandmarkElimination {
         }
       }
     }
-    return eliminate_leading_columns(work.topRows(rows_), LandmarkDim);
+    return eliminate_leading_columns(work.derived().data(), rows_, int(work.cols()), int(work.derived().outerStride()),
+                                     LandmarkDim);
   }
 
  private:
@@ -200,10 +201,10 @@ class LandmarkElimination {
   struct Group {
     std::int16_t block, first_row, rows;
   };
-  using Column = std::array<Acc, LandmarkDim>;                // one number for each of the landmark's parameters
+  using Column = Vec<Acc, LandmarkDim>;                       // one number for each of the landmark's parameters
   using Columns = std::array<Column, MaxRows + LandmarkDim>;  // those of J_l, row by row
-  /// Columns of A that belong to one block, LandmarkDim x BlockDim, row by row.
-  using Strip = std::array<Acc, LandmarkDim * BlockDim>;
+  /// Columns of A that belong to one block, row by row.
+  using Strip = std::array<Vec<Acc, BlockDim>, LandmarkDim>;
   using PoseRow = std::array<S, BlockDim>;
 
   /// Calls visit<R>() for a group of R rows.
@@ -217,23 +218,24 @@ class LandmarkElimination {
   }
 
   bool is_finite() const {
-    Acc sum = Acc(0);
-    for (const Acc c : c_) sum += c;
+    Acc sum = c_.sum();
     for (int j = 0; j < MaxBlocks; ++j) {
-      if (!touched_[j]) continue;
-      for (const Acc a : A_[j]) sum += a;
+      for (int l = 0; touched_[j] && l < LandmarkDim; ++l) sum += A_[j][l].sum();
     }
     return std::isfinite(sum);
   }
 
+  static void set_zero(Strip& A) {
+    for (Vec<Acc, BlockDim>& row : A) row.setZero();
+  }
   /// A += sum_k q_k j_k^T
   template <int R>
   static void add_products(const Column* q, const PoseRow* j, Strip& A) {
     for (int l = 0; l < LandmarkDim; ++l) {
       for (int c = 0; c < BlockDim; ++c) {
-        Acc sum = A[l * BlockDim + c];
+        Acc sum = A[l][c];
         for (int k = 0; k < R; ++k) sum += q[k][l] * Acc(j[k][c]);
-        A[l * BlockDim + c] = sum;
+        A[l][c] = sum;
       }
     }
   }
@@ -242,8 +244,8 @@ class LandmarkElimination {
     for (int l = 0; l < LandmarkDim; ++l) {
       for (int c = 0; c < BlockDim; ++c) {
         Acc sum = Acc(0);
-        for (int m = 0; m < BlockDim; ++m) sum += A[l * BlockDim + m] * M(m, c);
-        out[l * BlockDim + c] -= sum;
+        for (int m = 0; m < BlockDim; ++m) sum += A[l][m] * M(m, c);
+        out[l][c] -= sum;
       }
     }
   }
@@ -257,9 +259,14 @@ class LandmarkElimination {
 
   /// Q1 (the rows of the damping, if any, are last), R1_ and damping_.
   bool factorize(Columns& Q) {
-    Column squared_norm{};
+    Columns W;  // J_l, then [R1; 0]
+    Column squared_norm;
+    squared_norm.setZero();
     for (int k = 0; k < rows_; ++k) {
-      for (int l = 0; l < LandmarkDim; ++l) squared_norm[l] += Acc(J_l_[k][l]) * Acc(J_l_[k][l]);
+      for (int l = 0; l < LandmarkDim; ++l) {
+        W[k][l] = Acc(J_l_[k][l]);
+        squared_norm[l] += W[k][l] * W[k][l];
+      }
     }
     for (int l = 0; l < LandmarkDim; ++l) {
       damping_[l] = damping_scale(squared_norm[l]);
@@ -268,16 +275,12 @@ class LandmarkElimination {
     if constexpr (LandmarkDim == 1) {
       R1_[0][0] = std::sqrt(squared_norm[0]);
       const Acc inverse = Acc(1) / R1_[0][0];
-      for (int k = 0; k < rows_; ++k) Q[k][0] = inverse * Acc(J_l_[k][0]);
+      for (int k = 0; k < rows_; ++k) Q[k][0] = inverse * W[k][0];
       return squared_norm[0] > Acc(0);
-    }
-    Columns W;  // J_l, then [R1; 0]
-    for (int k = 0; k < rows_; ++k) {
-      for (int l = 0; l < LandmarkDim; ++l) W[k][l] = Acc(J_l_[k][l]);
     }
     int n = rows_;
     for (int l = 0; l < LandmarkDim && mu_ > 0; ++l) {
-      W[n].fill(Acc(0));
+      W[n].setZero();
       W[n++][l] = std::sqrt(mu_ * damping_[l]);
     }
     if (n < LandmarkDim) return false;
@@ -303,16 +306,10 @@ class LandmarkElimination {
   /// Rows [k, n) of M by the reflection I - tau v v^T, v = [1; column k of V below row k].
   static void reflect_rows(const Columns& V, int k, Acc tau, int n, Columns& M) {
     Column w = M[k];
-    for (int i = k + 1; i < n; ++i) {
-      for (int l = 0; l < LandmarkDim; ++l) w[l] += V[i][k] * M[i][l];
-    }
-    for (int l = 0; l < LandmarkDim; ++l) {
-      w[l] *= tau;
-      M[k][l] -= w[l];
-    }
-    for (int i = k + 1; i < n; ++i) {
-      for (int l = 0; l < LandmarkDim; ++l) M[i][l] -= V[i][k] * w[l];
-    }
+    for (int i = k + 1; i < n; ++i) w += V[i][k] * M[i];
+    w *= tau;
+    M[k] -= w;
+    for (int i = k + 1; i < n; ++i) M[i] -= V[i][k] * w;
   }
 
   int rows_ = 0, anchor_ = no_anchor;

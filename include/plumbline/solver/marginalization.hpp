@@ -9,8 +9,10 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "plumbline/core/assert.hpp"
+#include "plumbline/core/matrix.hpp"
 #include "plumbline/solver/bounded_matrix.hpp"
 #include "plumbline/solver/householder.hpp"
 
@@ -31,8 +33,16 @@ struct Prior {
   template <class D>
   Vector residual(const Eigen::MatrixBase<D>& e) const {
     Vector r = r0;
-    for (int k = 0; k < dim(); ++k) r.head(k + 1) += e[k] * J0.col(k).head(k + 1);
+    for (int c = 0; c < dim(); ++c) {
+      for (int k = 0; k < int(r.size()); ++k) r[k] += e[c] * J0(k, c);
+    }
     return r;
+  }
+  /// J0^T r.
+  Vector gradient(const Vector& r) const {
+    Vector g(dim());
+    for (int c = 0; c < dim(); ++c) g[c] = dot(&J0(0, c), r.data(), int(r.size()));
+    return g;
   }
 
   /// H <- J0^T J0, its lower triangle. Zeros at the bottom of a column are not multiplied.
@@ -41,7 +51,7 @@ struct Prior {
     for (int j = 0; j < dim(); ++j) {
       int rows = int(J0.rows());
       while (rows > 0 && J0(rows - 1, j) == 0) --rows;
-      for (int i = j; i < dim(); ++i) H(i, j) = J0.col(i).head(rows).dot(J0.col(j).head(rows));
+      for (int i = j; i < dim(); ++i) H(i, j) = rows > 0 ? dot(&J0(0, i), &J0(0, j), rows) : 0.0;
     }
   }
 };
@@ -55,7 +65,7 @@ class Marginalizer {
     PLUMBLINE_ASSERT(dim >= 0 && dim <= MaxDim);
     dim_ = dim;
     waiting_ = 0;
-    for (int c = 0; c <= dim_; ++c) column(c).head(dim_).setZero();
+    for (int c = 0; c <= dim_; ++c) std::fill_n(column(c), dim_, 0.0);
   }
 
   int dim() const { return dim_; }
@@ -63,13 +73,16 @@ class Marginalizer {
   /// Rows J over the columns [first_column, first_column + J.cols()), zero elsewhere.
   template <class DJ, class Dr>
   void add_rows(const Eigen::MatrixBase<DJ>& J, const Eigen::MatrixBase<Dr>& r, int first_column = 0) {
-    add(J, first_column, J.leftCols(0), 0, r);
+    add(r, [&](int from, int to, int n) { write(J, first_column, from, to, n); });
   }
   /// Rows that touch two ranges of columns.
   template <class DJ, class DK, class Dr>
   void add_rows(const Eigen::MatrixBase<DJ>& J, int first_column, const Eigen::MatrixBase<DK>& K, int second_column,
                 const Eigen::MatrixBase<Dr>& r) {
-    add(J, first_column, K, second_column, r);
+    add(r, [&](int from, int to, int n) {
+      write(J, first_column, from, to, n);
+      write(K, second_column, from, to, n);
+    });
   }
 
   /// The prior over all columns but [first_column, first_column + count), order kept. Consumes the rows: `reset` is
@@ -79,7 +92,7 @@ class Marginalizer {
     fold();
     double* const begin = values_.data();
     std::rotate(begin, begin + first_column * rows, begin + (first_column + count) * rows);  // columns [m | r | rhs]
-    const int kept = dim_ - count, rank = eliminate_leading_columns(view().topRows(first_column + count), count);
+    const int kept = dim_ - count, rank = eliminate_leading_columns(begin, first_column + count, dim_ + 1, rows, count);
     for (int c = 0; c < kept; ++c) {  // the remaining rows are a triangle, or nearly
       const int pivot = rank + c;
       int last = dim_ - 1;
@@ -87,68 +100,73 @@ class Marginalizer {
       if (last > pivot) eliminate(count + c, pivot, pivot + 1, last - pivot, count + c + 1);
     }
     out.J0.resize(kept, kept);
-    out.J0.setZero();
-    for (int c = 0; c < kept; ++c) out.J0.col(c).head(c + 1) = column(count + c).segment(rank, c + 1);
-    out.r0 = column(dim_).segment(rank, kept);
-    if (out.J0.allFinite() && out.r0.allFinite()) return true;
+    out.r0.resize(kept);
+    bool finite = true;
+    for (int c = 0; c < kept; ++c) {
+      for (int k = 0; k < kept; ++k) {
+        out.J0(k, c) = k <= c ? column(count + c)[rank + k] : 0.0;
+        finite = finite && std::isfinite(out.J0(k, c));
+      }
+      out.r0[c] = column(dim_)[rank + c];
+    }
+    if (finite && all_finite(out.r0)) return true;
     out.clear();
     return false;
   }
 
  private:
   static constexpr int rows = MaxDim + Chunk;
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, rows, MaxDim + 1>;
-  using Column = Eigen::Map<Eigen::Matrix<double, rows, 1>>;
 
-  Column column(int c) { return Column(values_.data() + c * rows); }
-  Eigen::Map<Matrix, 0, Eigen::OuterStride<rows>> view() {
-    return Eigen::Map<Matrix, 0, Eigen::OuterStride<rows>>(values_.data(), dim_, dim_ + 1);
-  }
+  double* column(int c) { return values_.data() + c * rows; }
 
-  template <class DJ, class DK, class Dr>
-  void add(const Eigen::MatrixBase<DJ>& J, int first_column, const Eigen::MatrixBase<DK>& K, int second_column,
-           const Eigen::MatrixBase<Dr>& r) {
-    PLUMBLINE_ASSERT(J.rows() == r.size() && K.rows() == r.size());
-    PLUMBLINE_ASSERT(first_column + J.cols() <= dim_ && second_column + K.cols() <= dim_);
+  /// write(from, to, n) writes J's rows [from, from + n) to our rows from `to` on, which are zero.
+  template <class Dr>
+  void add(const Eigen::MatrixBase<Dr>& r, auto&& write) {
     for (int done = 0; done < int(r.size());) {
       if (waiting_ == Chunk) fold();
       const int n = std::min(Chunk - waiting_, int(r.size()) - done), to = dim_ + waiting_;
-      for (int c = 0; c < dim_; ++c) column(c).segment(to, n).setZero();
-      for (int c = 0; c < int(J.cols()); ++c) {
-        column(first_column + c).segment(to, n) = J.col(c).segment(done, n).template cast<double>();
-      }
-      for (int c = 0; c < int(K.cols()); ++c) {
-        column(second_column + c).segment(to, n) = K.col(c).segment(done, n).template cast<double>();
-      }
-      column(dim_).segment(to, n) = r.segment(done, n).template cast<double>();
+      for (int c = 0; c < dim_; ++c) std::fill_n(column(c) + to, n, 0.0);
+      write(done, to, n);
+      for (int k = 0; k < n; ++k) column(dim_)[to + k] = double(r[done + k]);
       waiting_ += n;
       done += n;
+    }
+  }
+  template <class DJ>
+  void write(const Eigen::MatrixBase<DJ>& J, int first_column, int from, int to, int n) {
+    PLUMBLINE_ASSERT(from + n <= J.rows() && first_column + J.cols() <= dim_);
+    for (int c = 0; c < int(J.cols()); ++c) {
+      for (int k = 0; k < n; ++k) column(first_column + c)[to + k] = double(J(from + k, c));
     }
   }
 
   /// The rows that wait go into the triangle of the first dim_ rows.
   void fold() {
     std::array<bool, MaxDim + 1> touched;
-    for (int c = 0; c <= dim_; ++c) touched[c] = !(column(c).segment(dim_, waiting_).array() == 0).all();
+    for (int c = 0; c <= dim_; ++c) touched[c] = first_nonzero(column(c) + dim_, waiting_) < waiting_;
     for (int c = 0; c < dim_; ++c) {
       if (!touched[c]) continue;
-      const double tau = make_reflection(column(c)[c], column(c).segment(dim_, waiting_));
+      const double tau = make_reflection(column(c)[c], column(c) + dim_, waiting_);
       for (int k = c + 1; k <= dim_; ++k) {
         if (!touched[k] && column(k)[c] == 0) continue;
         touched[k] = true;
-        reflect(tau, column(c).segment(dim_, waiting_), column(k)[c], column(k).segment(dim_, waiting_));
+        reflect(tau, column(c) + dim_, column(k)[c], column(k) + dim_, waiting_);
       }
     }
     waiting_ = 0;
   }
+  /// n when there is none; NaN is not zero.
+  static int first_nonzero(const double* x, int n) {
+    int k = 0;
+    while (k < n && x[k] == 0) ++k;
+    return k;
+  }
 
   /// Zeroes rows [first, first + n) of column c against row `pivot`; columns from `next` on follow.
   void eliminate(int c, int pivot, int first, int n, int next) {
-    const double tau = make_reflection(column(c)[pivot], column(c).segment(first, n));
-    for (int k = next; k <= dim_; ++k) {
-      reflect(tau, column(c).segment(first, n), column(k)[pivot], column(k).segment(first, n));
-    }
-    column(c).segment(first, n).setZero();
+    const double tau = make_reflection(column(c)[pivot], column(c) + first, n);
+    for (int k = next; k <= dim_; ++k) reflect(tau, column(c) + first, column(k)[pivot], column(k) + first, n);
+    std::fill_n(column(c) + first, n, 0.0);
   }
 
   int dim_ = 0, waiting_ = 0;

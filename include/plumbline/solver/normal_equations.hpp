@@ -67,8 +67,8 @@ class NormalEquations {
   void add(int i, const Mat<T, R, C>& J_i, const Vec<T, R>& r, S weight) {
     const Rows<R, C> a(J_i);
     const Rows<R, 1> e(r);
-    add_product<C, C>(i, a.data, i, a.data, R, C, weight);
-    add_gradient<C>(i, a.data, e.data, R, C, weight);
+    add_product<R, C, C>(i, a.data, i, a.data, C, weight);
+    add_gradient<R, C>(i, a.data, e.data, C, weight);
   }
   /// Rows that touch blocks i and j, i != j.
   template <class T, int R, int C, int D>
@@ -78,15 +78,15 @@ class NormalEquations {
     const Rows<R, stride> ab(J_i, J_j);
     const Rows<R, 1> e(r);
     const S *a = ab.data, *b = ab.data + C;
-    add_product<C, C>(i, a, i, a, R, stride, weight);
-    add_product<D, D>(j, b, j, b, R, stride, weight);
+    add_product<R, C, C>(i, a, i, a, stride, weight);
+    add_product<R, D, D>(j, b, j, b, stride, weight);
     if (i > j) {
-      add_product<C, D>(i, a, j, b, R, stride, weight);
+      add_product<R, C, D>(i, a, j, b, stride, weight);
     } else {
-      add_product<D, C>(j, b, i, a, R, stride, weight);
+      add_product<R, D, C>(j, b, i, a, stride, weight);
     }
-    add_gradient<C>(i, a, e.data, R, stride, weight);
-    add_gradient<D>(j, b, e.data, R, stride, weight);
+    add_gradient<R, C>(i, a, e.data, stride, weight);
+    add_gradient<R, D>(j, b, e.data, stride, weight);
   }
 
   /// H_ij += B, i >= j.
@@ -109,40 +109,16 @@ class NormalEquations {
     for (int k = 0; k < dim(); ++k) b_[k] += g[k];
   }
 
-  /// H_ij += weight sum_k a_k b_k^T, i >= j, for rows a_k (C numbers) and b_k (D numbers) that are `stride` apart.
-  template <int C, int D>
-  void add_product(int i, const S* a, int j, const S* b, int rows, int stride, S weight) {
-    static_assert(C <= BlockDim && D <= BlockDim, "plumbline: a Jacobian has more columns than a parameter block");
-    S* const block = block_at(i, j);
-    int k = 0;
-    for (; k + 3 <= rows; k += 3) {  // three rows at a time: H is read and written once for them
-      const S *a0 = a + k * stride, *a1 = a0 + stride, *a2 = a1 + stride;
-      for (int d = 0; d < D; ++d) {
-        const S* const b_d = b + k * stride + d;
-        const S s0 = weight * b_d[0], s1 = weight * b_d[stride], s2 = weight * b_d[2 * stride];
-        S* const column = block + d * dim();
-        for (int c = 0; c < C; ++c) column[c] += s0 * a0[c] + s1 * a1[c] + s2 * a2[c];
-      }
+  /// H_ij -= sum_k a_k b_k^T, i >= j, for few rows.
+  template <std::size_t R, int C>
+  void subtract_product(int i, const std::array<Vec<S, C>, R>& a, int j, const std::array<Vec<S, C>, R>& b) {
+    S* column = block_at(i, j);
+    for (int d = 0; d < C; ++d, column += dim()) {
+      Vec<S, C> sum = b[0][d] * a[0];
+      for (std::size_t k = 1; k < R; ++k) sum += b[k][d] * a[k];
+      Eigen::Map<Vec<S, C>> out(column);
+      out -= sum;
     }
-    for (; k < rows; ++k) {
-      for (int d = 0; d < D; ++d) add_scaled<C>(weight * b[k * stride + d], a + k * stride, block + d * dim());
-    }
-  }
-  /// H_ij -= a^T b, i >= j, for R rows of C numbers, one row after the other.
-  template <int R, int C>
-  void subtract_product(int i, const S* a, int j, const S* b) {
-    S* const block = block_at(i, j);
-    for (int d = 0; d < C; ++d) {
-      S column[C];
-      for (int c = 0; c < C; ++c) column[c] = b[d] * a[c];
-      for (int k = 1; k < R; ++k) add_scaled<C>(b[k * C + d], a + k * C, column);
-      add_scaled<C>(S(-1), column, block + d * dim());
-    }
-  }
-  /// b_i += weight sum_k a_k r_k.
-  template <int C>
-  void add_gradient(int i, const S* a, const S* r, int rows, int stride, S weight) {
-    for (int k = 0; k < rows; ++k) add_scaled<C>(weight * r[k], a + k * stride, b_.data() + i * BlockDim);
   }
 
   /// The step (7). False, and d undefined, when the damped H is not positive definite or anything is not finite.
@@ -222,6 +198,30 @@ class NormalEquations {
   template <int C>
   static void add_scaled(S s, const S* x, S* y) {
     for (int c = 0; c < C; ++c) y[c] += s * x[c];
+  }
+  /// H_ij += weight sum_k a_k b_k^T, i >= j, for R rows a_k (C numbers) and b_k (D numbers) that are `stride` apart.
+  template <int R, int C, int D>
+  void add_product(int i, const S* a, int j, const S* b, int stride, S weight) {
+    static_assert(C <= BlockDim && D <= BlockDim, "plumbline: a Jacobian has more columns than a parameter block");
+    constexpr int in_threes = R - R % 3;  // three rows at a time: H is read and written once for them
+    S* const block = block_at(i, j);
+    for (int k = 0; k < in_threes; k += 3) {
+      const S *a0 = a + k * stride, *a1 = a0 + stride, *a2 = a1 + stride;
+      for (int d = 0; d < D; ++d) {
+        const S* const b_d = b + k * stride + d;
+        const S s0 = weight * b_d[0], s1 = weight * b_d[stride], s2 = weight * b_d[2 * stride];
+        S* const column = block + d * dim();
+        for (int c = 0; c < C; ++c) column[c] += s0 * a0[c] + s1 * a1[c] + s2 * a2[c];
+      }
+    }
+    for (int k = in_threes; k < R; ++k) {
+      for (int d = 0; d < D; ++d) add_scaled<C>(weight * b[k * stride + d], a + k * stride, block + d * dim());
+    }
+  }
+  /// b_i += weight sum_k a_k r_k.
+  template <int R, int C>
+  void add_gradient(int i, const S* a, const S* r, int stride, S weight) {
+    for (int k = 0; k < R; ++k) add_scaled<C>(weight * r[k], a + k * stride, b_.data() + i * BlockDim);
   }
 
   bool factorize(S mu) const {
