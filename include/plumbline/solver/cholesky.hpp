@@ -12,6 +12,7 @@
 #include <limits>
 
 #include "plumbline/core/assert.hpp"
+#include "plumbline/core/matrix.hpp"
 
 namespace plumbline {
 
@@ -54,15 +55,17 @@ class Cholesky {
     Padded y = padded(x);
     forward(y, 0);
     for (int i = tiles() - 1; i >= 0; --i) {
-      S* const y_i = y.data() + i * width;
       const Tile& L = at(i, i);
       for (int c = width - 1; c >= 0; --c) {
-        for (int k = c + 1; k < width; ++k) y_i[c] -= L(k, c) * y_i[k];
-        y_i[c] *= inverse_diagonal_[i * width + c];
+        for (int k = c + 1; k < width; ++k) y[i][c] -= L[c][k] * y[i][k];
+        y[i][c] *= inverse_diagonal_[i * width + c];
       }
-      for (int k = first_[i]; k < i; ++k) subtract_transposed(at(i, k), y_i, y.data() + k * width);
+      for (int k = first_[i]; k < i; ++k) {
+        const Tile& A = at(i, k);
+        for (int c = 0; c < width; ++c) y[k][c] -= A[c].dot(y[i]);
+      }
     }
-    for (int k = 0; k < dim_; ++k) x[k] = y[k];
+    for (int k = 0; k < dim_; ++k) x[k] = y[k / width][k % width];
   }
 
   /// x <- L^-1 x, where the numbers of x before `first` are zero.
@@ -70,18 +73,14 @@ class Cholesky {
   void forward_in_place(Eigen::MatrixBase<D>& x, int first) const {
     Padded y = padded(x);
     forward(y, first / width);
-    for (int k = 0; k < dim_; ++k) x[k] = y[k];
+    for (int k = 0; k < dim_; ++k) x[k] = y[k / width][k % width];
   }
 
  private:
   static constexpr int width = 4, max_tiles = (MaxDim + width - 1) / width;
-  /// One block, column by column.
-  struct Tile {
-    S values[width * width];
-    S& operator()(int r, int c) { return values[c * width + r]; }
-    const S& operator()(int r, int c) const { return values[c * width + r]; }
-  };
-  using Padded = std::array<S, std::size_t(max_tiles) * width>;
+  using Part = Vec<S, width>;
+  using Tile = std::array<Part, width>;  // one block, column by column
+  using Padded = std::array<Part, max_tiles>;
 
   int tiles() const { return (dim_ + width - 1) / width; }
   Tile& at(int i, int j) { return tiles_[std::size_t(i * (i + 1) / 2 + j)]; }
@@ -89,8 +88,8 @@ class Cholesky {
 
   template <class D>
   Padded padded(const Eigen::MatrixBase<D>& x) const {
-    Padded y{};
-    for (int k = 0; k < dim_; ++k) y[k] = x[k];
+    Padded y;
+    for (int k = 0; k < tiles() * width; ++k) y[k / width][k % width] = k < dim_ ? x[k] : S(0);
     return y;
   }
 
@@ -102,12 +101,12 @@ class Cholesky {
       for (int r = 0; r < width; ++r) {
         const int k = i * width + r, l = j * width + c;
         if (k >= dim_ || l >= dim_) {
-          out(r, c) = S(k == l);
+          out[c][r] = S(k == l);
           continue;
         }
         const int p = order(k), q = order(l);
         const S value = p > q ? A(p, q) : A(q, p);
-        out(r, c) = p == q ? value + damping[p] : value;
+        out[c][r] = p == q ? value + damping[p] : value;
         any = any || value != S(0);  // true for NaN
       }
     }
@@ -120,60 +119,40 @@ class Cholesky {
     for (int k = first_[i] > first_[j] ? first_[i] : first_[j]; k < j; ++k) {
       const Tile &A = at(i, k), &B = at(j, k);
       for (int c = 0; c < width; ++c) {
-        for (int r = 0; r < width; ++r) {
-          S value = sum(r, c);
-          for (int n = 0; n < width; ++n) value -= A(r, n) * B(c, n);
-          sum(r, c) = value;
-        }
+        for (int n = 0; n < width; ++n) sum[c] -= B[n][c] * A[n];
       }
     }
     T = sum;
   }
-  /// y -= A x
-  static void subtract(const Tile& A, const S* x, S* y) {
-    for (int c = 0; c < width; ++c) {
-      for (int r = 0; r < width; ++r) y[r] -= A(r, c) * x[c];
-    }
-  }
-  /// y -= A^T x
-  static void subtract_transposed(const Tile& A, const S* x, S* y) {
-    for (int c = 0; c < width; ++c) {
-      for (int r = 0; r < width; ++r) y[c] -= A(r, c) * x[r];
-    }
-  }
-  /// Column c of T less those before it times row c of L.
-  static void subtract_columns(const Tile& L, int c, Tile& T) {
-    for (int k = 0; k < c; ++k) {
-      for (int r = 0; r < width; ++r) T(r, c) -= L(c, k) * T(r, k);
-    }
-  }
   /// T <- T L^-T
   static void divide(Tile& T, const Tile& L, const S* inverse_diagonal) {
     for (int c = 0; c < width; ++c) {
-      subtract_columns(L, c, T);
-      for (int r = 0; r < width; ++r) T(r, c) *= inverse_diagonal[c];
+      for (int k = 0; k < c; ++k) T[c] -= L[k][c] * T[k];
+      T[c] *= inverse_diagonal[c];
     }
   }
   /// T <- its factor. A pivot that is rounding of the diagonal it came from, that of `original`, does not count.
   bool factorize(Tile& T, const Tile& original, S* inverse_diagonal) const {
     const S tolerance = S(dim_) * std::numeric_limits<S>::epsilon();
     for (int c = 0; c < width; ++c) {
-      subtract_columns(T, c, T);
-      const S pivot = T(c, c);
-      if (!(pivot > tolerance * original(c, c)) || !(pivot <= std::numeric_limits<S>::max())) return false;
+      for (int k = 0; k < c; ++k) T[c] -= T[k][c] * T[k];
+      const S pivot = T[c][c];
+      if (!(pivot > tolerance * original[c][c]) || !(pivot <= std::numeric_limits<S>::max())) return false;
       inverse_diagonal[c] = S(1) / std::sqrt(pivot);
-      for (int r = 0; r < width; ++r) T(r, c) *= inverse_diagonal[c];
+      T[c] *= inverse_diagonal[c];
     }
     return true;
   }
   void forward(Padded& y, int first) const {
     for (int i = first; i < tiles(); ++i) {
-      S* const y_i = y.data() + i * width;
-      for (int k = first_[i] > first ? first_[i] : first; k < i; ++k) subtract(at(i, k), y.data() + k * width, y_i);
+      for (int k = first_[i] > first ? first_[i] : first; k < i; ++k) {
+        const Tile& A = at(i, k);
+        for (int c = 0; c < width; ++c) y[i] -= y[k][c] * A[c];
+      }
       const Tile& L = at(i, i);
       for (int c = 0; c < width; ++c) {
-        y_i[c] *= inverse_diagonal_[i * width + c];
-        for (int k = c + 1; k < width; ++k) y_i[k] -= L(k, c) * y_i[c];
+        y[i][c] *= inverse_diagonal_[i * width + c];
+        for (int k = c + 1; k < width; ++k) y[i][k] -= L[c][k] * y[i][c];
       }
     }
   }
@@ -181,7 +160,7 @@ class Cholesky {
   int dim_ = 0;
   std::array<int, max_tiles> first_;                                      ///< block column where a row of L starts
   std::array<Tile, std::size_t(max_tiles) * (max_tiles + 1) / 2> tiles_;  ///< lower triangle, row by row
-  Padded inverse_diagonal_;
+  std::array<S, std::size_t(max_tiles) * width> inverse_diagonal_;
 };
 
 }  // namespace plumbline

@@ -102,7 +102,9 @@ class LandmarkElimination {
       Strip A_a;
       set_zero(A_a);
       for (int j = 0; j < MaxBlocks; ++j) {
-        if (touched_[j]) subtract_product(A_[j], pairs.transport(anchor_, j), A_a);
+        if (!touched_[j]) continue;
+        const typename Pairs::Block& M = pairs.transport(anchor_, j);
+        for (int l = 0; l < LandmarkDim; ++l) A_a[l].noalias() -= M.transpose() * A_[j][l];
       }
       A_[anchor_] = A_a;
       touched_[anchor_] = true;
@@ -231,22 +233,14 @@ class LandmarkElimination {
   /// A += sum_k q_k j_k^T
   template <int R>
   static void add_products(const Column* q, const PoseRow* j, Strip& A) {
-    for (int l = 0; l < LandmarkDim; ++l) {
-      for (int c = 0; c < BlockDim; ++c) {
-        Acc sum = A[l][c];
-        for (int k = 0; k < R; ++k) sum += q[k][l] * Acc(j[k][c]);
-        A[l][c] = sum;
-      }
+    std::array<Vec<Acc, BlockDim>, R> rows;
+    for (int k = 0; k < R; ++k) {
+      for (int c = 0; c < BlockDim; ++c) rows[k][c] = Acc(j[k][c]);
     }
-  }
-  /// out -= A M
-  static void subtract_product(const Strip& A, const typename Pairs::Block& M, Strip& out) {
     for (int l = 0; l < LandmarkDim; ++l) {
-      for (int c = 0; c < BlockDim; ++c) {
-        Acc sum = Acc(0);
-        for (int m = 0; m < BlockDim; ++m) sum += A[l][m] * M(m, c);
-        out[l][c] -= sum;
-      }
+      Vec<Acc, BlockDim> sum = A[l];
+      for (int k = 0; k < R; ++k) sum += q[k][l] * rows[k];
+      A[l] = sum;
     }
   }
   /// x <- R1^-1 x

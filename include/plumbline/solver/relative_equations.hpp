@@ -42,15 +42,14 @@ class RelativeEquations {
       G_[k].setZero();
       g_[k].setZero();
     }
-    S rows[R][BlockDim];
+    std::array<Vec<S, BlockDim>, R> rows;
     for (int n = 0; n < R; ++n) {
       for (int c = 0; c < BlockDim; ++c) rows[n][c] = S(J[n * BlockDim + c]);
     }
-    add_lower<0>(rows, G_[k]);
-    S* const g = g_[k].data();
-    for (int n = 0; n < R; ++n) {
-      for (int c = 0; c < BlockDim; ++c) g[c] += S(r[n]) * rows[n][c];
-    }
+    constexpr int half = BlockDim / 2 - BlockDim / 2 % 2;  // an even number keeps vectors aligned
+    add_columns<0, half>(rows, G_[k]);
+    add_columns<half, BlockDim>(rows, G_[k]);
+    for (int n = 0; n < R; ++n) g_[k] += S(r[n]) * rows[n];
   }
 
   /// (9c)
@@ -77,19 +76,16 @@ class RelativeEquations {
   }
 
  private:
-  /// G += rows^T rows from column First on, its lower triangle; two columns at a time.
-  template <int First, int R>
-  static void add_lower(const S (&rows)[R][BlockDim], Block& G) {
-    constexpr int next = First + 2 < BlockDim ? First + 2 : BlockDim;
-    for (int c = First; c < next; ++c) {
-      S* const column = G.data() + c * BlockDim;
-      for (int i = First; i < BlockDim; ++i) {
-        S sum = rows[0][c] * rows[0][i];
-        for (int n = 1; n < R; ++n) sum += rows[n][c] * rows[n][i];
-        column[i] += sum;
-      }
+  /// G += rows^T rows in columns [First, Last) from row First on: the lower triangle, and a little more.
+  template <int First, int Last, std::size_t R>
+  static void add_columns(const std::array<Vec<S, BlockDim>, R>& rows, Block& G) {
+    using Part = Vec<S, BlockDim - First>;
+    for (int c = First; c < Last; ++c) {
+      Part sum = rows[0][c] * Eigen::Map<const Part>(rows[0].data() + First);
+      for (std::size_t n = 1; n < R; ++n) sum += rows[n][c] * Eigen::Map<const Part>(rows[n].data() + First);
+      Eigen::Map<Part> column(G.data() + c * BlockDim + First);
+      column += sum;
     }
-    if constexpr (next < BlockDim) add_lower<next>(rows, G);
   }
   static Block symmetric(const Block& lower) {
     Block out;
