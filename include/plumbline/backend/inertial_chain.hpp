@@ -116,13 +116,22 @@ class InertialChain {
       const auto rest =
           ZeroMotion<S>{}.linearize(x_i.T_world_body, x_j.T_world_body, x_i0.T_world_body, x_j0.T_world_body);
       const Vec<S, 6> w = rest_weights();
-      Mat<S, 9, 15> J_i = Mat<S, 9, 15>::Zero(), J_j = Mat<S, 9, 15>::Zero();
-      J_i.template topLeftCorner<6, 6>() = w.asDiagonal() * rest.J_r_i;
-      J_j.template topLeftCorner<6, 6>() = w.asDiagonal() * rest.J_r_j;
       const S w_v = S(1 / options_.rest_velocity_sigma);
-      J_j.template block<3, 3>(6, 6).diagonal().setConstant(w_v);
+      Mat<S, 9, 15> J_i, J_j;
       Vec<S, 9> r;
-      r << w.cwiseProduct(rest.r), w_v * x_j.v_world_body;
+      J_i.setZero();
+      J_j.setZero();
+      for (int k = 0; k < 6; ++k) {
+        for (int c = 0; c < 6; ++c) {
+          J_i(k, c) = w[k] * rest.J_r_i(k, c);
+          J_j(k, c) = w[k] * rest.J_r_j(k, c);
+        }
+        r[k] = w[k] * rest.r[k];
+      }
+      for (int k = 0; k < 3; ++k) {
+        J_j(6 + k, 6 + k) = w_v;
+        r[6 + k] = w_v * x_j.v_world_body[k];
+      }
       take(i, J_i, j, J_j, r);
     }
   }

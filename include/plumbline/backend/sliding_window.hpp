@@ -62,10 +62,11 @@ class WindowBackend {
     inertial_started_ = false;
     const int slot = window_.insert(t_ns, T_world_body);
     if constexpr (has_imu) inertial_.insert(slot, {T_world_body}, -1, {}, false);
-    Mat<double, 6, 6> J = Mat<double, 6, 6>::Identity();
-    J.template topRows<3>() /= options_.sigma_first_rotation;
-    J.template bottomRows<3>() /= options_.sigma_first_position;
+    Mat<double, 6, 6> J;
+    J.setZero();
+    for (int k = 0; k < 6; ++k) J(k, k) = 1 / (k < 3 ? options_.sigma_first_rotation : options_.sigma_first_position);
     set_prior(slot, J);
+    order_parameters();
     build_equations();  // so that a covariance is defined before the first optimization
     return slot;
   }
@@ -97,13 +98,15 @@ class WindowBackend {
     }
     inertial_.follow_biases(window_);
     inertial_started_ = true;
-    Mat<double, 10, 15> J = Mat<double, 10, 15>::Zero();
-    J.template block<3, 3>(0, 3).diagonal().setConstant(1 / options_.sigma_first_position);
-    // Heading: the vertical part of R dphi.
-    J.template block<1, 3>(3, 0) =
-        window_[oldest].pose.value().R().row(2).template cast<double>() / options_.sigma_first_rotation;
-    J.template block<3, 3>(4, 9).diagonal().setConstant(1 / options_.inertial.start_gyro_bias_sigma);
-    J.template block<3, 3>(7, 12).diagonal().setConstant(1 / options_.inertial.start_accel_bias_sigma);
+    const Mat<S, 3, 3> R = window_[oldest].pose.value().R();
+    Mat<double, 10, 15> J;
+    J.setZero();
+    for (int k = 0; k < 3; ++k) {
+      J(k, 3 + k) = 1 / options_.sigma_first_position;
+      J(3, k) = double(R(2, k)) / options_.sigma_first_rotation;  // heading: the vertical part of R dphi
+      J(4 + k, 9 + k) = 1 / options_.inertial.start_gyro_bias_sigma;
+      J(7 + k, 12 + k) = 1 / options_.inertial.start_accel_bias_sigma;
+    }
     set_prior(oldest, J);
   }
 
@@ -122,6 +125,7 @@ class WindowBackend {
     if constexpr (has_imu) {
       if (inertial_started_) inertial_.follow_biases(window_);
     }
+    order_parameters();
     Problem problem{*this, rig, features, T_body_cam};
     const LevenbergMarquardtSummary summary = levenberg_marquardt(problem, solver);
     views_.update(window_, T_body_cam);
@@ -148,11 +152,14 @@ class WindowBackend {
     if constexpr (has_imu) {
       if (inertial_started_) {
         inertial_.for_each_row(window_, slot, [&](int i, const auto& J_i, int j, const auto& J_j, const auto& r) {
-          const auto A = J_i.template cast<double>().eval(), B = J_j.template cast<double>().eval();
-          auto r0 = r.template cast<double>().eval();
-          r0 -= A.lazyProduct(e.template segment<block_dim>(i * block_dim)) +
-                B.lazyProduct(e.template segment<block_dim>(j * block_dim));
-          marginalizer_.add_rows(A, i * block_dim, B, j * block_dim, r0);
+          Vec<double, std::remove_cvref_t<decltype(r)>::RowsAtCompileTime> r0;
+          for (int k = 0; k < int(r.size()); ++k) {  // the prior's residual belongs to e = 0
+            r0[k] = double(r[k]);
+            for (int c = 0; c < block_dim; ++c) {
+              r0[k] -= double(J_i(k, c)) * e[i * block_dim + c] + double(J_j(k, c)) * e[j * block_dim + c];
+            }
+          }
+          marginalizer_.add_rows(J_i, i * block_dim, J_j, j * block_dim, r0);
         });
       }
       inertial_.remove(slot);
@@ -165,27 +172,31 @@ class WindowBackend {
         work_.resize(rows, columns + dim + 1);
         const int rank = landmark.reduced_rows(work_, pairs_, block_dim);
         if (rows <= rank) return;
-        const auto J = work_.block(rank, columns, rows - rank, dim);
-        work_.col(columns + dim).tail(rows - rank) -= J * e;  // the prior's residual belongs to e = 0
-        marginalizer_.add_rows(J, work_.col(columns + dim).tail(rows - rank));
+        Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_rows, 1> r(rows - rank);
+        for (int k = rank; k < rows; ++k) r[k - rank] = work_(k, columns + dim);
+        for (int c = 0; c < dim; ++c) {  // the prior's residual belongs to e = 0
+          for (int k = rank; k < rows; ++k) r[k - rank] -= work_(k, columns + c) * e[c];
+        }
+        marginalizer_.add_rows(work_.block(rank, columns, rows - rank, dim), r);
       });
       map.remove_keyframe(slot);
     });
     // The prior keeps a column for every slot; those of free slots are zero.
-    const int before = slot * block_dim, after = dim - before - block_dim;
-    if (marginalizer_.marginalize(before, block_dim, reduced_)) {
+    const int first = slot * block_dim, behind = first + block_dim;
+    if (marginalizer_.marginalize(first, block_dim, reduced_)) {
       prior_.J0.resize(dim - block_dim, dim);
-      prior_.J0.leftCols(before) = reduced_.J0.leftCols(before);
-      prior_.J0.rightCols(after) = reduced_.J0.rightCols(after);
+      for (int c = 0; c < dim - block_dim; ++c) {
+        for (int k = 0; k < dim - block_dim; ++k) prior_.J0(k, c < first ? c : c + block_dim) = reduced_.J0(k, c);
+      }
       prior_.r0 = reduced_.r0;
     }
-    prior_.J0.middleCols(before, block_dim).setZero();
+    for (int c = first; c < behind; ++c) {
+      for (int k = 0; k < int(prior_.J0.rows()); ++k) prior_.J0(k, c) = 0;
+    }
     prior_.information(prior_H_);
     window_.remove(slot);
     for (int k = 0; k < K; ++k) {
-      if (window_[k].used && !prior_.J0.middleCols(k * block_dim, block_dim).isZero(0)) {
-        fix_linearization_point(k);
-      }
+      if (window_[k].used && prior_knows(k)) fix_linearization_point(k);
     }
   }
 
@@ -228,7 +239,9 @@ class WindowBackend {
     static_assert(Dim <= block_dim);
     Mat<double, block_dim, block_dim> block;
     if (!equations_.covariance_block(window_.newest(), block)) return false;
-    covariance = block.template topLeftCorner<Dim, Dim>().template cast<S>();
+    for (int c = 0; c < Dim; ++c) {
+      for (int r = 0; r < Dim; ++r) covariance(r, c) = S(block(r, c));
+    }
     return true;
   }
 
@@ -279,11 +292,14 @@ class WindowBackend {
       self.backup_ = self.window_;
       if constexpr (has_imu) self.inertial_.backup();
       for (int k = 0; k < K; ++k) {
-        if (self.window_[k].used)
-          self.window_.pose(k).add(self.step_.template segment<6>(k * block_dim).template cast<S>());
+        if (!self.window_[k].used) continue;
+        Vec<S, 6> pose;
+        for (int c = 0; c < 6; ++c) pose[c] = S(self.step_[k * block_dim + c]);
+        self.window_.pose(k).add(pose);
         if constexpr (has_imu) {
-          if (self.window_[k].used)
-            self.inertial_.step(k, self.step_.template segment<9>(k * block_dim + 6).template cast<S>());
+          Vec<S, 9> motion;
+          for (int c = 0; c < 9; ++c) motion[c] = S(self.step_[k * block_dim + 6 + c]);
+          self.inertial_.step(k, motion);
         }
       }
       self.for_each(features, [](auto& map, auto& terms) { terms.step(map); });
@@ -307,11 +323,14 @@ class WindowBackend {
 
   /// The corrections e of all poses, by slot.
   Vec<double, dim> corrections() const {
-    Vec<double, dim> e = Vec<double, dim>::Zero();
+    Vec<double, dim> e;
+    e.setZero();
     for (int k = 0; k < K; ++k) {
       if (!window_[k].used) continue;
-      e.template segment<6>(k * block_dim) = window_[k].pose.correction().template cast<double>();
-      if constexpr (has_imu) e.template segment<9>(k * block_dim + 6) = inertial_.correction(k).template cast<double>();
+      for (int c = 0; c < 6; ++c) e[k * block_dim + c] = double(window_[k].pose.correction()[c]);
+      if constexpr (has_imu) {
+        for (int c = 0; c < 9; ++c) e[k * block_dim + 6 + c] = double(inertial_.correction(k)[c]);
+      }
     }
     return e;
   }
@@ -335,6 +354,14 @@ class WindowBackend {
     return 0;
   }
 
+  bool prior_knows(int slot) const {
+    for (int c = slot * block_dim; c < (slot + 1) * block_dim; ++c) {
+      for (int k = 0; k < int(prior_.J0.rows()); ++k) {
+        if (prior_.J0(k, c) != 0) return true;  // also for NaN
+      }
+    }
+    return false;
+  }
   void fix_linearization_point(int slot) {
     window_.pose(slot).fix_linearization_point();
     if constexpr (has_imu) inertial_.fix_linearization_point(slot);
@@ -345,7 +372,9 @@ class WindowBackend {
   void set_prior(int slot, const Mat<double, Rows, Columns>& J) {
     prior_.J0.resize(Rows, dim);
     prior_.J0.setZero();
-    prior_.J0.template block<Rows, Columns>(0, slot * block_dim) = J;
+    for (int c = 0; c < Columns; ++c) {
+      for (int k = 0; k < Rows; ++k) prior_.J0(k, slot * block_dim + c) = J(k, c);
+    }
     prior_.r0.setZero(Rows);
     prior_.information(prior_H_);
     fix_linearization_point(slot);
@@ -371,18 +400,14 @@ class WindowBackend {
 
   /// The prior, the inertial rows, and an identity for every parameter that nothing speaks of.
   void build_equations() {
-    order_parameters();
     equations_.reset(K, prior_H_);
     equations_.add_gradient(prior_.gradient(prior_.residual(corrections())));
     for (int k = 0; k < K; ++k) {
-      if (!window_[k].used) {
-        equations_.add(k, Mat<double, block_dim, block_dim>::Identity().eval(), Vec<double, block_dim>::Zero().eval(),
-                       1.0);
-      } else if (has_imu && !inertial_started_) {
-        Mat<double, block_dim, block_dim> J = Mat<double, block_dim, block_dim>::Identity();
-        J.template topLeftCorner<6, 6>().setZero();
-        equations_.add(k, J, Vec<double, block_dim>::Zero().eval(), 1.0);
-      }
+      if (window_[k].used && (!has_imu || inertial_started_)) continue;
+      Mat<double, block_dim, block_dim> H;
+      H.setZero();
+      for (int c = window_[k].used ? 6 : 0; c < block_dim; ++c) H(c, c) = 1;
+      equations_.add_block(k, k, H);
     }
     if constexpr (has_imu) {
       if (!inertial_started_) return;

@@ -116,19 +116,34 @@ class PointMotionTerms {
     const Vec<S, 2> j = L * (pixel.J_r_point * point.sigma_world);
     const S jj = j.squaredNorm();
     Mat<S, 2, 2> W = L;
-    if (jj > S(1e-12)) W -= ((S(1) - S(1) / std::sqrt(S(1) + jj)) / jj) * j * (j.transpose() * L);  // (10)
-    out.r_uv.noalias() = W * pixel.r;
-    out.J_uv.template leftCols<6>().noalias() = W * pixel.J_r_pose;
-    out.J_uv.col(6).noalias() = W * (pixel.J_r_point * point.slope_world - point.seen.uv_slope.template cast<S>());
+    if (jj > S(1e-12)) {
+      const S shrink = (S(1) - S(1) / std::sqrt(S(1) + jj)) / jj;
+      for (int c = 0; c < 2; ++c) {
+        const S along = shrink * (j[0] * L(0, c) + j[1] * L(1, c));
+        for (int i = 0; i < 2; ++i) W(i, c) -= along * j[i];  // (10)
+      }
+    }
+    const Vec<S, 2> slope = pixel.J_r_point * point.slope_world;
+    const S u = slope[0] - S(point.seen.uv_slope[0]), v = slope[1] - S(point.seen.uv_slope[1]);
+    for (int i = 0; i < 2; ++i) {
+      out.r_uv[i] = W(i, 0) * pixel.r[0] + W(i, 1) * pixel.r[1];
+      for (int c = 0; c < 6; ++c) out.J_uv(i, c) = W(i, 0) * pixel.J_r_pose(0, c) + W(i, 1) * pixel.J_r_pose(1, c);
+      out.J_uv(i, 6) = W(i, 0) * u + W(i, 1) * v;
+    }
     out.has_depth = point.seen.depth.valid;
     if (!out.has_depth) return out;
     const auto depth = PointInverseDepth<S>{point.seen.depth.value}.linearize(view, point.p_world);
     out.has_depth = depth.valid;
     if (!out.has_depth) return out;
-    const S j_z = depth.J_r_point.row(0).dot(point.sigma_world);
+    S j_z = S(0), slope_z = S(0);
+    for (int c = 0; c < 3; ++c) {
+      j_z += depth.J_r_point(0, c) * point.sigma_world[c];
+      slope_z += depth.J_r_point(0, c) * point.slope_world[c];
+    }
     const S w = S(1) / std::sqrt(point.seen.depth.sigma * point.seen.depth.sigma + j_z * j_z);
-    out.r_z = w * depth.r;
-    out.J_z << w * depth.J_r_pose, w * depth.J_r_point * point.slope_world;
+    out.r_z[0] = w * depth.r[0];
+    for (int c = 0; c < 6; ++c) out.J_z(0, c) = w * depth.J_r_pose(0, c);
+    out.J_z(0, 6) = w * slope_z;
     return out;
   }
 

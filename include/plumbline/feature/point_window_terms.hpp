@@ -168,7 +168,8 @@ class PointWindowTerms {
   }
   static Errors errors_of(const PointObservation<S>& seen, const Projection<S>& projection, S inverse_depth) {
     Errors out;
-    out.pixel.noalias() = seen.L.template cast<S>() * (projection.uv - seen.uv.template cast<S>());
+    const S u = projection.uv[0] - S(seen.uv[0]), v = projection.uv[1] - S(seen.uv[1]);
+    for (int k = 0; k < 2; ++k) out.pixel[k] = S(seen.L(k, 0)) * u + S(seen.L(k, 1)) * v;
     out.depth = seen.depth.valid ? (inverse_depth - seen.depth.value) / seen.depth.sigma : S(0);
     return out;
   }
@@ -224,10 +225,15 @@ class PointWindowTerms {
     out.pixel_chi2 = errors.pixel.squaredNorm();
     out.cost = cost_of(errors);
     const S w = std::sqrt(pixel_loss_.weight(out.pixel_chi2));
-    const Mat<S, 2, 2> wL = w * seen.L.template cast<S>();
-    out.J_r_P.template topRows<2>().noalias() = wL * projection.J_uv_p;
-    out.J_r_P.template bottomRows<2>().setZero();
-    out.r << w * errors.pixel, S(0), S(0);
+    for (int k = 0; k < 2; ++k) {
+      const S wL0 = w * S(seen.L(k, 0)), wL1 = w * S(seen.L(k, 1));
+      for (int c = 0; c < 3; ++c) {
+        out.J_r_P(k, c) = wL0 * projection.J_uv_p(0, c) + wL1 * projection.J_uv_p(1, c);
+        out.J_r_P(2 + k, c) = S(0);
+      }
+      out.r[k] = w * errors.pixel[k];
+      out.r[2 + k] = S(0);
+    }
     const S w_z = std::sqrt(depth_loss_.weight(square(errors.depth)));
     out.depth = Sensors::has_depth && seen.depth.valid && iz > S(0);
     if (out.depth) {
@@ -250,7 +256,14 @@ class PointWindowTerms {
   }
   template <int R>
   static void add_top(int slot, const Mat<S, 4, 6>& J, const ViewRows& lin, Elimination& rows) {
-    rows.template add<R>(slot, J.template topRows<R>(), lin.J_r_lambda.template head<R>(), lin.r.template head<R>());
+    Mat<S, R, 6> J_top;
+    Vec<S, R> J_lambda, r;
+    for (int k = 0; k < R; ++k) {
+      for (int c = 0; c < 6; ++c) J_top(k, c) = J(k, c);
+      J_lambda[k] = lin.J_r_lambda[k];
+      r[k] = lin.r[k];
+    }
+    rows.template add<R>(slot, J_top, J_lambda, r);
   }
 
   Huber<S> pixel_loss_{S(2.45)};  ///< sqrt(chi2_95_2dof)

@@ -29,10 +29,12 @@ class RelativeView {
   /// Poses of the anchor's and the target's body, and the extrinsics of their one camera.
   RelativeView(const SE3<S>& T_world_anchor, const SE3<S>& T_world_target, const SE3<S>& T_body_cam)
       : R_e_(T_body_cam.R()), p_e_(T_body_cam.p()) {
-    const Mat<S, 3, 3> R_j = T_world_target.R();
-    A_.noalias() = R_e_.transpose() * R_j.transpose() * T_world_anchor.R();
+    const Mat<S, 3, 3> R_a = T_world_anchor.R(), R_j = T_world_target.R(), R_ja = R_j.transpose() * R_a;
+    A_.noalias() = R_e_.transpose() * R_ja;
     AR_e_.noalias() = A_ * R_e_;
-    t_ = A_ * p_e_ + R_e_.transpose() * (R_j.transpose() * (T_world_anchor.p() - T_world_target.p()) - p_e_);
+    const Vec<S, 3> p = T_world_anchor.p() - T_world_target.p(), p_ja = R_j.transpose() * p, offset = p_ja - p_e_;
+    t_.noalias() = A_ * p_e_;
+    t_.noalias() += R_e_.transpose() * offset;
   }
 
   /// P~ alone, (1).
@@ -44,8 +46,13 @@ class RelativeView {
     ScaledPoint<S> out;
     out.P = scaled_point(bearing, inverse_range);
     const Vec<S, 3> q = R_e_ * bearing + inverse_range * p_e_;
-    out.J_anchor.template leftCols<3>().noalias() = -A_ * hat(q);
-    out.J_anchor.template rightCols<3>() = inverse_range * A_;
+    const Mat<S, 3, 3> Aq = A_ * hat(q);
+    for (int c = 0; c < 3; ++c) {
+      for (int k = 0; k < 3; ++k) {
+        out.J_anchor(k, c) = -Aq(k, c);
+        out.J_anchor(k, 3 + c) = inverse_range * A_(k, c);
+      }
+    }
     out.J_target = target_jacobian<3>(Mat<S, 3, 3>::Identity(), out.P, inverse_range);
     return out;
   }
@@ -57,10 +64,14 @@ class RelativeView {
     Mat<S, Rows, 3> B;
     B.noalias() = J_r_P * R_e_.transpose();
     Mat<S, Rows, 6> out;
-    out.col(0) = q.z() * B.col(1) - q.y() * B.col(2);  // B [q]x
-    out.col(1) = q.x() * B.col(2) - q.z() * B.col(0);
-    out.col(2) = q.y() * B.col(0) - q.x() * B.col(1);
-    out.template rightCols<3>() = -inverse_range * B;
+    for (int k = 0; k < Rows; ++k) {
+      out(k, 0) = q.z() * B(k, 1) - q.y() * B(k, 2);  // B [q]x
+      out(k, 1) = q.x() * B(k, 2) - q.z() * B(k, 0);
+      out(k, 2) = q.y() * B(k, 0) - q.x() * B(k, 1);
+    }
+    for (int c = 0; c < 3; ++c) {
+      for (int k = 0; k < Rows; ++k) out(k, 3 + c) = -inverse_range * B(k, c);
+    }
     return out;
   }
 

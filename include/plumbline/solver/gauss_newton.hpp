@@ -4,6 +4,8 @@
 ///   H = sum w J^T J,  b = sum w J^T r,  cost = 1/2 sum rho
 /// The state loops over its rows, calls `add` and `add_cost`, then `solve`, and applies d with `plus`.
 
+#include <algorithm>
+
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/solver/cholesky.hpp"
 #include "plumbline/solver/normal_equations.hpp"
@@ -16,7 +18,13 @@ class DenseNormalEquations {
   using Scalar = S;
   static constexpr int dim = D;
 
-  void reset() { *this = DenseNormalEquations(); }
+  DenseNormalEquations() { reset(); }
+
+  void reset() {
+    std::fill_n(H_.data(), D * D, S(0));
+    std::fill_n(b_.data(), D, S(0));
+    sum_rho_ = S(0);
+  }
 
   template <class T, int R>
   void add(const Mat<T, R, D>& J, const Vec<T, R>& r, S weight) {
@@ -49,7 +57,7 @@ class DenseNormalEquations {
   bool covariance(Mat<S, D, D>& covariance) const {
     Cholesky<S, D> factor;
     Vec<S, D> column;
-    column.setZero();  // no damping
+    std::fill_n(column.data(), D, S(0));  // no damping
     if (!factor.compute(H_, column)) return false;
     for (int c = 0; c < D; ++c) {
       for (int k = 0; k < D; ++k) column[k] = S(k == c);
@@ -63,9 +71,9 @@ class DenseNormalEquations {
   const Vec<S, D>& b() const { return b_; }
 
  private:
-  Mat<S, D, D> H_ = Mat<S, D, D>::Zero();
-  Vec<S, D> b_ = Vec<S, D>::Zero();
-  S sum_rho_ = S(0);
+  Mat<S, D, D> H_;
+  Vec<S, D> b_;
+  S sum_rho_;
 };
 
 }  // namespace plumbline

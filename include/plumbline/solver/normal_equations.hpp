@@ -112,8 +112,9 @@ class NormalEquations {
   /// H_ij -= sum_k a_k b_k^T, i >= j, for few rows.
   template <std::size_t R, int C>
   void subtract_product(int i, const std::array<Vec<S, C>, R>& a, int j, const std::array<Vec<S, C>, R>& b) {
+    const int stride = dim();
     S* column = block_at(i, j);
-    for (int d = 0; d < C; ++d, column += dim()) {
+    for (int d = 0; d < C; ++d, column += stride) {
       Vec<S, C> sum = b[0][d] * a[0];
       for (std::size_t k = 1; k < R; ++k) sum += b[k][d] * a[k];
       Eigen::Map<Vec<S, C>> out(column);
@@ -192,7 +193,7 @@ class NormalEquations {
   /// The lower triangle of H from block (i, j) on, its columns dim() apart.
   S* block_at(int i, int j) {
     PLUMBLINE_ASSERT(i >= j && j >= 0 && i < blocks_);
-    return H_.data() + (j * dim() + i) * BlockDim;
+    return H_.data() + j * BlockDim * dim() + i * BlockDim;
   }
   /// y += s x
   template <int C>
