@@ -221,3 +221,21 @@ TEST_CASE("marginalization: information of a prior") {
     REQUIRE(relative_error(symmetric(H), J0.transpose() * J0) < 1e-14);
   }
 }
+
+TEST_CASE("marginalization: columns that a prior knows nothing of") {
+  Random random(13);
+  Prior<9> prior, wide;
+  prior.J0 = random_matrix(random, 5, 6);
+  prior.r0 = random_matrix(random, 5, 1);
+  wide.widen(prior, 2, 3);
+  REQUIRE(wide.J0.leftCols(2) == prior.J0.leftCols(2));
+  REQUIRE(wide.J0.middleCols(2, 3).isZero(0));
+  REQUIRE(wide.J0.rightCols(4) == prior.J0.rightCols(4));
+  REQUIRE(wide.r0 == prior.r0);
+  REQUIRE(wide.knows(4, 3));
+  REQUIRE_FALSE(wide.knows(2, 3));
+  wide.forget(5, 2);
+  REQUIRE_FALSE(wide.knows(2, 5));
+  const Eigen::VectorXd expected = prior.J0.transpose() * prior.r0;
+  REQUIRE(relative_error(prior.gradient(prior.r0), expected) < 1e-14);
+}

@@ -182,21 +182,16 @@ class WindowBackend {
       map.remove_keyframe(slot);
     });
     // The prior keeps a column for every slot; those of free slots are zero.
-    const int first = slot * block_dim, behind = first + block_dim;
+    const int first = slot * block_dim;
     if (marginalizer_.marginalize(first, block_dim, reduced_)) {
-      prior_.J0.resize(dim - block_dim, dim);
-      for (int c = 0; c < dim - block_dim; ++c) {
-        for (int k = 0; k < dim - block_dim; ++k) prior_.J0(k, c < first ? c : c + block_dim) = reduced_.J0(k, c);
-      }
-      prior_.r0 = reduced_.r0;
-    }
-    for (int c = first; c < behind; ++c) {
-      for (int k = 0; k < int(prior_.J0.rows()); ++k) prior_.J0(k, c) = 0;
+      prior_.widen(reduced_, first, block_dim);
+    } else {
+      prior_.forget(first, block_dim);
     }
     prior_.information(prior_H_);
     window_.remove(slot);
     for (int k = 0; k < K; ++k) {
-      if (window_[k].used && prior_knows(k)) fix_linearization_point(k);
+      if (window_[k].used && prior_.knows(k * block_dim, block_dim)) fix_linearization_point(k);
     }
   }
 
@@ -354,14 +349,6 @@ class WindowBackend {
     return 0;
   }
 
-  bool prior_knows(int slot) const {
-    for (int c = slot * block_dim; c < (slot + 1) * block_dim; ++c) {
-      for (int k = 0; k < int(prior_.J0.rows()); ++k) {
-        if (prior_.J0(k, c) != 0) return true;  // also for NaN
-      }
-    }
-    return false;
-  }
   void fix_linearization_point(int slot) {
     window_.pose(slot).fix_linearization_point();
     if constexpr (has_imu) inertial_.fix_linearization_point(slot);

@@ -29,6 +29,31 @@ struct Prior {
   bool empty() const { return dim() == 0; }
   void clear() { J0.resize(0, 0), r0.resize(0); }
 
+  /// That of `other` with `count` columns of zeros put in from column `first` on.
+  void widen(const Prior& other, int first, int count) {
+    J0.resize(int(other.J0.rows()), other.dim() + count);
+    for (int c = 0; c < other.dim(); ++c) {
+      for (int k = 0; k < int(J0.rows()); ++k) J0(k, c < first ? c : c + count) = other.J0(k, c);
+    }
+    forget(first, count);
+    r0 = other.r0;
+  }
+  /// Columns [first, first + count) become zero.
+  void forget(int first, int count) {
+    for (int c = first; c < first + count; ++c) {
+      for (int k = 0; k < int(J0.rows()); ++k) J0(k, c) = 0;
+    }
+  }
+  /// False when columns [first, first + count) are zero.
+  bool knows(int first, int count) const {
+    for (int c = first; c < first + count; ++c) {
+      for (int k = 0; k < int(J0.rows()); ++k) {
+        if (J0(k, c) != 0) return true;  // also for NaN
+      }
+    }
+    return false;
+  }
+
   /// r0 + J0 e, e = x [-] x0.
   template <class D>
   Vector residual(const Eigen::MatrixBase<D>& e) const {
