@@ -1,6 +1,7 @@
 #include "plumbline/core/matrix.hpp"
 
 #include <Eigen/Geometry>
+#include <limits>
 
 #include "catch.hpp"
 
@@ -15,4 +16,13 @@ TEMPLATE_TEST_CASE("matrix: hat is the cross product", "", float, double) {
   Vec<S, 6> c;
   c << a, b;
   CHECK(hat(c.template tail<3>()) == hat(b));
+}
+
+TEMPLATE_TEST_CASE("matrix: a number that is not finite is found", "", float, double) {
+  Mat<TestType, 3, 2> m = Mat<TestType, 3, 2>::Ones();
+  REQUIRE(all_finite(m));
+  for (const TestType bad : {std::numeric_limits<TestType>::quiet_NaN(), -std::numeric_limits<TestType>::infinity()}) {
+    m(2, 1) = bad;
+    REQUIRE_FALSE(all_finite(m));
+  }
 }
