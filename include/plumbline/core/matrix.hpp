@@ -31,4 +31,62 @@ bool all_finite(const Eigen::PlainObjectBase<Derived>& m) {
   return true;
 }
 
+// Parts and products as functions: each combination of sizes in a block or product expression of Eigen's is a few more
+// classes to compile, and its larger products are not free of a heap. The sizes are fixed, so the loops unroll.
+
+/// R x C numbers of A, the first of them A(i, j).
+template <int R, int C, class S, int Rows, int Cols>
+Mat<S, R, C> block(const Mat<S, Rows, Cols>& A, int i, int j) {
+  Mat<S, R, C> out;
+  for (int c = 0; c < C; ++c) {
+    for (int r = 0; r < R; ++r) out.coeffRef(r, c) = A.coeff(i + r, j + c);
+  }
+  return out;
+}
+template <class S, int Rows, int Cols, int R, int C>
+void set_block(Mat<S, Rows, Cols>& A, int i, int j, const Mat<S, R, C>& B) {
+  for (int c = 0; c < C; ++c) {
+    for (int r = 0; r < R; ++r) A.coeffRef(i + r, j + c) = B.coeff(r, c);
+  }
+}
+
+/// N numbers of x, the first of them x[i].
+template <int N, class S, int Size>
+Vec<S, N> segment(const Vec<S, Size>& x, int i) {
+  Vec<S, N> out;
+  for (int k = 0; k < N; ++k) out.coeffRef(k) = x.coeff(i + k);
+  return out;
+}
+template <class S, int Size, int N>
+void set_segment(Vec<S, Size>& x, int i, const Vec<S, N>& y) {
+  for (int k = 0; k < N; ++k) x.coeffRef(i + k) = y.coeff(k);
+}
+
+/// A B
+template <class S, int R, int K, int C>
+Mat<S, R, C> product(const Mat<S, R, K>& A, const Mat<S, K, C>& B) {
+  Mat<S, R, C> out;
+  for (int c = 0; c < C; ++c) {
+    for (int r = 0; r < R; ++r) {
+      S sum = S(0);
+      for (int k = 0; k < K; ++k) sum += A.coeff(r, k) * B.coeff(k, c);
+      out.coeffRef(r, c) = sum;
+    }
+  }
+  return out;
+}
+/// A B^T
+template <class S, int R, int K, int C>
+Mat<S, R, C> product_transposed(const Mat<S, R, K>& A, const Mat<S, C, K>& B) {
+  Mat<S, R, C> out;
+  for (int c = 0; c < C; ++c) {
+    for (int r = 0; r < R; ++r) {
+      S sum = S(0);
+      for (int k = 0; k < K; ++k) sum += A.coeff(r, k) * B.coeff(c, k);
+      out.coeffRef(r, c) = sum;
+    }
+  }
+  return out;
+}
+
 }  // namespace plumbline

@@ -13,11 +13,10 @@
 #include <cstddef>
 #include <span>
 
-#include <Eigen/Cholesky>
-
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/geometry/line3.hpp"
 #include "plumbline/lie/se3.hpp"
+#include "plumbline/solver/gauss_newton.hpp"
 
 namespace plumbline {
 
@@ -68,10 +67,23 @@ Plucker<S> intersection(const InterpretationPlane<S>& a, const InterpretationPla
   return {a.D * b.N - b.D * a.N, a.N.cross(b.N)};
 }
 
+namespace line_triangulation_detail {
+
+/// Derivative by the line's four parameters, from those by its n and v; J_line = d(n; v)/d theta.
+template <class S>
+Mat<S, 1, 4> by_line(const Vec<S, 3>& by_n, const Vec<S, 3>& by_v, const Mat<S, 6, 4>& J_line) {
+  Mat<S, 1, 4> out;
+  for (int k = 0; k < 4; ++k) out(0, k) = by_n.dot(block<3, 1>(J_line, 0, k)) + by_v.dot(block<3, 1>(J_line, 3, k));
+  return out;
+}
+
+}  // namespace line_triangulation_detail
+
 /// The first view is the anchor's own, its T_cj_ca the identity.
 template <class S>
 LineTriangulation<S> triangulate_line(std::span<const LineTriangulationView<S>> views,
                                       const LineTriangulationOptions& options = {}) {
+  using line_triangulation_detail::by_line;
   LineTriangulation<S> out;
   if (views.size() < 2) return out;
   // The best pair is sought with the anchor and every other view: the work is linear in the views.
@@ -95,8 +107,7 @@ LineTriangulation<S> triangulate_line(std::span<const LineTriangulationView<S>> 
 
   bool in_front = true;
   for (int iteration = 0; iteration < 6; ++iteration) {
-    Mat<S, 4, 4> H = Mat<S, 4, 4>::Zero();
-    Vec<S, 4> g = Vec<S, 4>::Zero();
+    DenseNormalEquations<S, 4> equations;
     out.chi2 = 0;
     in_front = true;
     const Plucker<S> line = out.line.plucker();
@@ -105,21 +116,19 @@ LineTriangulation<S> triangulate_line(std::span<const LineTriangulationView<S>> 
       const Plucker<S> seen = view.T_cj_ca * line;
       const S inverse_norm = 1 / seen.n.norm();
       const Vec<S, 3> nh = inverse_norm * seen.n;
-      const Mat<S, 3, 4> J_n = plucker_transform(view.T_cj_ca).template topRows<3>() * J_line;
+      const SO3<S> R_ca_cj = view.T_cj_ca.rotation().inverse();
       for (const Vec<S, 3>* b : {&view.bearing_start, &view.bearing_end}) {
-        const S r = nh.dot(*b) / view.sigma_rad;  // (24)
-        const Vec<S, 4> J = J_n.transpose() * (*b - nh.dot(*b) * nh) * (inverse_norm / view.sigma_rad);
-        H += J * J.transpose();
-        g += J * r;
+        const S r = nh.dot(*b) / view.sigma_rad;                                          // (24)
+        const Vec<S, 3> by_n = (inverse_norm / view.sigma_rad) * (*b - nh.dot(*b) * nh);  // in this camera
+        const Vec<S, 3> by_v = by_n.cross(view.T_cj_ca.p());
+        equations.add(by_line<S>(R_ca_cj * by_n, R_ca_cj * by_v, J_line), Vec<S, 1>(r), S(1));
         out.chi2 += r * r;
       }
       in_front = in_front && (view.bearing_start + view.bearing_end).dot(seen.v.cross(seen.n)) > 0;
     }
-    const Eigen::LDLT<Mat<S, 4, 4>> solver(H);
-    // (25), column by column: for many right-hand sides at once Eigen brings in an allocator
-    for (int k = 0; k < 4; ++k) out.covariance.col(k) = solver.solve(Vec<S, 4>(Vec<S, 4>::Unit(k)));
-    const Vec<S, 4> step = -out.covariance * g;
-    const bool converged = !(step.dot(H * step) > S(1e-4));  // in units of its own noise
+    Vec<S, 4> step;
+    if (!equations.solve(step) || !equations.covariance(out.covariance)) return out;  // (25)
+    const bool converged = !(-step.dot(equations.b()) > S(1e-4));  // step^T H step: in units of its own noise
     if (iteration == 5 || converged) break;
     out.line = plus(out.line, step);
   }
@@ -133,11 +142,11 @@ LineTriangulation<S> triangulate_line(std::span<const LineTriangulationView<S>> 
   for (int i = 0; i < 2; ++i) {
     const Vec<S, 3>& b = i == 0 ? views[0].bearing_start : views[0].bearing_end;
     const Vec<S, 3> m = b / b.z();
-    Vec<S, 6> J;
-    J << m.cross(line.v) - 2 * q.dot(m) * line.n, line.n.cross(m);
-    const Vec<S, 4> J_theta = inverse_square * (J_line.transpose() * J);
+    const Vec<S, 3> by_n = inverse_square * (m.cross(line.v) - 2 * q.dot(m) * line.n);
+    const Vec<S, 3> by_v = inverse_square * line.n.cross(m);
+    const Mat<S, 1, 4> J = by_line(by_n, by_v, J_line);
     out.inverse_depth[i] = q.dot(m);
-    out.sigma_inverse_depth[i] = std::sqrt(J_theta.dot(out.covariance * J_theta));
+    out.sigma_inverse_depth[i] = std::sqrt(product_transposed(product(J, out.covariance), J)(0, 0));
     significant = significant && out.inverse_depth[i] > S(options.min_significance) * out.sigma_inverse_depth[i];
   }
   const S dof = static_cast<S>(2 * views.size() - 4);

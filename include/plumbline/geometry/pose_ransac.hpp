@@ -16,7 +16,6 @@
 #include <cstdint>
 #include <limits>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include "plumbline/core/fixed_vector.hpp"
@@ -25,6 +24,7 @@
 #include "plumbline/geometry/p3p.hpp"
 #include "plumbline/lie/plus.hpp"
 #include "plumbline/lie/se3.hpp"
+#include "plumbline/solver/gauss_newton.hpp"
 
 namespace plumbline {
 
@@ -64,9 +64,12 @@ struct BearingError {
     const Vec<S, 3> p = R * c.p_world + T_cam_world.p();
     const S inverse_range = S(1) / p.norm();
     const Vec<S, 3> n = p * inverse_range;
-    const Mat<S, 3, 3> N = (Mat<S, 3, 3>::Identity() - n * n.transpose()) * R * inverse_range;
     r = n - c.bearing;
-    J_r_T << -N * hat(c.p_world), N;
+    for (int j = 0; j < 3; ++j) {
+      const Vec<S, 3> R_j = R.col(j), N_j = inverse_range * (R_j - n.dot(R_j) * n);
+      set_block(J_r_T, 0, 3 + j, N_j);
+    }
+    set_block(J_r_T, 0, 0, product(block<3, 3>(J_r_T, 0, 3), hat(-c.p_world)));
   }
 };
 
@@ -105,28 +108,28 @@ SE3<S> refine(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondence
       const S w = gate / (gate + e2);
       return w * w;
     };
-    Mat<S, 6, 6> H = Mat<S, 6, 6>::Zero();
-    Vec<S, 6> g = Vec<S, 6>::Zero();
+    DenseNormalEquations<S, 6> equations;
     const Mat<S, 3, 3> R = T_cam_world.R();
     for (const PoseCorrespondence<S>& c : correspondences) {
       const BearingError<S> error(T_cam_world, R, c);
       const S information = S(1) / (c.sigma_rad * c.sigma_rad);
       const S w = information * weight(information * error.r.squaredNorm());
       if (!(w > S(0))) continue;
-      H.noalias() += w * error.J_r_T.transpose() * error.J_r_T;
-      g.noalias() += w * error.J_r_T.transpose() * error.r;
+      equations.add(error.J_r_T, error.r, w);
       if (!(c.sigma_inverse_depth > S(0))) continue;
-      const S z = R.row(2).dot(c.p_world) + T_cam_world.p().z(), slope = S(-1) / (z * z * c.sigma_inverse_depth);
+      const Vec<S, 3> e_z(R(2, 0), R(2, 1), R(2, 2)), turn = c.p_world.cross(e_z);  // d z / dp, d z / dphi
+      const S z = e_z.dot(c.p_world) + T_cam_world.p().z(), slope = S(-1) / (z * z * c.sigma_inverse_depth);
       const S d = (S(1) / z - c.inverse_depth) / c.sigma_inverse_depth, w_d = weight(d * d);
       if (!(w_d > S(0))) continue;
-      Vec<S, 6> J;
-      J << slope * -R.row(2).transpose().cross(c.p_world), slope * R.row(2).transpose();
-      H.noalias() += w_d * J * J.transpose();
-      g.noalias() += w_d * J * d;
+      Mat<S, 1, 6> J;
+      for (int k = 0; k < 3; ++k) {
+        J(0, k) = slope * turn[k];
+        J(0, 3 + k) = slope * e_z[k];
+      }
+      equations.add(J, Vec<S, 1>(d), w_d);
     }
-    const Eigen::LDLT<Mat<S, 6, 6>> ldlt(H);
-    const Vec<S, 6> d = ldlt.solve(-g);
-    if (!ldlt.isPositive() || !d.allFinite()) break;
+    Vec<S, 6> d;
+    if (!equations.solve(d)) break;
     T_cam_world = plus(T_cam_world, d);
   }
   return T_cam_world;

@@ -15,13 +15,13 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/random.hpp"
 #include "plumbline/lie/se3.hpp"
+#include "plumbline/solver/gauss_newton.hpp"
 
 namespace plumbline {
 
@@ -120,26 +120,24 @@ class TwoViewSolver {
   /// (16) with the weights of a Geman-McClure loss of that scale: wrong pairs are many.
   static bool refine(const Pairs& pairs, S scale, int iterations, SO3<S>& R, Vec<S, 3>& t) {
     for (int iteration = 0; iteration < iterations; ++iteration) {
-      Mat<S, 3, 2> B;
-      B.col(0) = t.unitOrthogonal();
-      B.col(1) = t.cross(B.col(0));
-      Mat<S, 5, 5> H = Mat<S, 5, 5>::Zero();
-      Vec<S, 5> g = Vec<S, 5>::Zero();
+      const Vec<S, 3> b1 = t.unitOrthogonal(), b2 = t.cross(b1);  // B
+      DenseNormalEquations<S, 5> equations;
       for (const BearingPair<S>& pair : pairs) {
         const Vec<S, 3> a = R * pair.f1;
         const S length = std::max(t.cross(a).norm(), S(1e-6)), e = error(pair, R, t), q = e / scale;
-        Vec<S, 5> J;
         const Vec<S, 3> u = R.inverse() * Vec<S, 3>(pair.f2.cross(t));
-        J << pair.f1.cross(u), B.transpose() * a.cross(pair.f2);
-        const S w = S(1) / (S(1) + q * q), weight = w * w / (length * length);
-        H.noalias() += weight * J * J.transpose();
-        g.noalias() += (weight * length * e) * J;
+        const Vec<S, 3> J_phi = pair.f1.cross(u), J_t = a.cross(pair.f2);
+        Mat<S, 1, 5> J;  // times the length
+        J << J_phi[0], J_phi[1], J_phi[2], b1.dot(J_t), b2.dot(J_t);
+        const S w = S(1) / (S(1) + q * q);
+        equations.add(J, Vec<S, 1>(length * e), w * w / (length * length));
       }
-      const Eigen::LDLT<Mat<S, 5, 5>> ldlt(H);
-      const Vec<S, 5> d = ldlt.solve(-g);
-      if (!ldlt.isPositive() || !d.allFinite()) return false;
-      R = R * SO3<S>::exp(Vec<S, 3>(d.template head<3>()));
-      t = (t + B * d.template tail<2>()).normalized();
+      Vec<S, 5> d;
+      if (!equations.solve(d)) return false;
+      R = R * SO3<S>::exp(segment<3>(d, 0));
+      t += d[3] * b1;
+      t += d[4] * b2;
+      t.normalize();
       if (d.norm() < S(1e-6)) break;
     }
     return true;

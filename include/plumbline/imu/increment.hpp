@@ -35,11 +35,11 @@ struct ImuIncrement {
   Mat<S, 15, 15> covariance = Mat<S, 15, 15>::Zero();                       ///< S, of [dphi dp dv dbg dba]
   Mat<S, 9, 6> J_delta_bias = Mat<S, 9, 6>::Zero();                         ///< of [dphi dp dv] by [bg ba]
 
-  Mat<S, 3, 3> J_R_g() const { return J_delta_bias.template block<3, 3>(0, 0); }
-  Mat<S, 3, 3> J_p_g() const { return J_delta_bias.template block<3, 3>(3, 0); }
-  Mat<S, 3, 3> J_p_a() const { return J_delta_bias.template block<3, 3>(3, 3); }
-  Mat<S, 3, 3> J_v_g() const { return J_delta_bias.template block<3, 3>(6, 0); }
-  Mat<S, 3, 3> J_v_a() const { return J_delta_bias.template block<3, 3>(6, 3); }
+  Mat<S, 3, 3> J_R_g() const { return block<3, 3>(J_delta_bias, 0, 0); }
+  Mat<S, 3, 3> J_p_g() const { return block<3, 3>(J_delta_bias, 3, 0); }
+  Mat<S, 3, 3> J_p_a() const { return block<3, 3>(J_delta_bias, 3, 3); }
+  Mat<S, 3, 3> J_v_g() const { return block<3, 3>(J_delta_bias, 6, 0); }
+  Mat<S, 3, 3> J_v_a() const { return block<3, 3>(J_delta_bias, 6, 3); }
 
   ImuIncrement() = default;
   ImuIncrement(const Vec<S, 3>& bias_gyro_, const Vec<S, 3>& bias_accel_)
@@ -50,11 +50,9 @@ struct ImuIncrement {
 
   /// (7), first order in the gyroscope bias, exact in the accelerometer bias.
   Delta corrected(const Vec<S, 3>& gyro, const Vec<S, 3>& accel) const {
-    Vec<S, 6> d;
-    d << gyro - bias_gyro, accel - bias_accel;
-    const Vec<S, 9> shift = J_delta_bias * d;
-    return {delta.dR * SO3<S>::exp(shift.template head<3>()), delta.dp + shift.template segment<3>(3),
-            delta.dv + shift.template tail<3>()};
+    const Vec<S, 3> dbg = gyro - bias_gyro, dba = accel - bias_accel;
+    return {delta.dR * SO3<S>::exp(J_R_g() * dbg), delta.dp + J_p_g() * dbg + J_p_a() * dba,
+            delta.dv + J_v_g() * dbg + J_v_a() * dba};
   }
 
   /// (6), biases unchanged. Gravity is the acceleration of free fall in the world [m/s^2].
@@ -71,8 +69,7 @@ struct ImuIncrement {
   /// L, lower triangular, L^T L = S^-1. A floor of 1e-6 (rad, m, m/s) and 1e-7 (biases) keeps S regular.
   Result<Mat<S, 15, 15>> square_root_information() const {
     Mat<S, 15, 15> floored = covariance;
-    floored.diagonal().template head<9>().array() += S(1e-12);
-    floored.diagonal().template tail<6>().array() += S(1e-14);
+    for (int k = 0; k < 15; ++k) floored(k, k) += k < 9 ? S(1e-12) : S(1e-14);
     return plumbline::square_root_information(floored);
   }
 };
@@ -80,42 +77,54 @@ struct ImuIncrement {
 template <std::floating_point S>
 void ImuIncrement<S>::integrate(const ImuInterval<S>& interval, const ImuNoise& noise) {
   using Mat3 = Mat<S, 3, 3>;
-  const S dt = interval.dt;
+  const S dt = interval.dt, half_dt = S(0.5) * dt;
   const Vec<S, 3> phi = dt * (interval.mean_gyro() - bias_gyro);
   const Vec<S, 3> a0 = interval.accel_begin - bias_accel, a1 = interval.accel_end - bias_accel;
   const SO3<S> E = SO3<S>::exp(phi), dR1 = delta.dR * E;
-  const Mat3 R0 = delta.dR.matrix(), R1 = dR1.matrix(), Et = E.matrix().transpose(), R1_a1 = R1 * hat(a1);
+  const Mat3 R0 = delta.dR.matrix(), R1 = dR1.matrix(), Et = E.inverse().matrix(), R1_a1 = R1 * hat(a1);
 
-  Mat<S, 9, 15> F = Mat<S, 9, 15>::Zero();  // rows dphi, dp, dv of (4); those of the biases are the identity
-  F.template block<3, 3>(0, 0) = Et;
-  F.template block<3, 3>(0, 9) = -dt * SO3<S>::right_jacobian(phi);
-  F.template block<3, 3>(6, 0) = (S(-0.5) * dt) * (R0 * hat(a0) + R1_a1 * Et);
-  F.template block<3, 3>(6, 9) = (S(-0.5) * dt) * (R1_a1 * F.template block<3, 3>(0, 9));
-  F.template block<3, 3>(6, 12) = (S(-0.5) * dt) * (R0 + R1);
-  F.template middleRows<3>(3) = (S(0.5) * dt) * F.template bottomRows<3>();  // position is half a step of velocity
-  F.template block<6, 6>(3, 3).diagonal().setOnes();
-  F.template block<3, 3>(3, 6).diagonal().setConstant(dt);
-  const Mat<S, 9, 6> B = F.template rightCols<6>();
+  const Mat3 phi_g = -dt * SO3<S>::right_jacobian(phi), R1_a1_Et = R1_a1 * Et, v_phi = R0 * hat(a0) + R1_a1_Et;
+  Mat<S, 9, 15> F;  // rows dphi, dp, dv of (4); those of the biases are the identity
+  F.setZero();
+  set_block(F, 0, 0, Et);
+  set_block(F, 0, 9, phi_g);
+  set_block(F, 6, 0, Mat3(-half_dt * v_phi));
+  set_block(F, 6, 9, Mat3(-half_dt * (R1_a1 * phi_g)));
+  set_block(F, 6, 12, Mat3(-half_dt * (R0 + R1)));
+  for (int c = 0; c < 15; ++c) {
+    for (int r = 0; r < 3; ++r) F(3 + r, c) = half_dt * F(6 + r, c);  // position is half a step of velocity
+  }
+  for (int k = 0; k < 3; ++k) {
+    F(3 + k, 3 + k) = F(6 + k, 6 + k) = S(1);
+    F(3 + k, 6 + k) = dt;
+  }
 
   const Vec<S, 3> a = S(0.5) * (R0 * a0 + R1 * a1);  // (3)
-  delta.dp += dt * delta.dv + (S(0.5) * dt * dt) * a;
+  delta.dp += dt * delta.dv + half_dt * dt * a;
   delta.dv += dt * a;
   delta.dR = dR1;
   duration += dt;
 
-  const auto squared = [](S x) { return x * x; };
-  Vec<S, 6> white, walk;
-  white << Vec<S, 3>::Constant(squared(S(noise.gyro_density)) / dt + squared(interval.gyro_sigma)),
-      Vec<S, 3>::Constant(squared(S(noise.accel_density)) / dt + squared(interval.accel_sigma));
-  walk << Vec<S, 3>::Constant(squared(S(noise.gyro_walk)) * dt), Vec<S, 3>::Constant(squared(S(noise.accel_walk)) * dt);
-  const Mat<S, 9, 15> FS = F.lazyProduct(covariance);  // (5); lazy: Eigen's large products are not free of a heap
-  const Mat<S, 9, 9> S9 = FS.lazyProduct(F.transpose()) + (B * white.asDiagonal()).lazyProduct(B.transpose());
-  covariance.template topLeftCorner<9, 9>() = S(0.5) * (S9 + S9.transpose());
-  covariance.template topRightCorner<9, 6>() = FS.template rightCols<6>();
-  covariance.template bottomLeftCorner<6, 9>() = FS.template rightCols<6>().transpose();
-  covariance.diagonal().template tail<6>() += walk;
-  const Mat<S, 9, 6> FJ = F.template leftCols<9>().lazyProduct(J_delta_bias);
-  J_delta_bias = FJ + B;
+  Mat<S, 9, 15> FS = product(F, covariance);  // (5)
+  for (int k = 9; k < 15; ++k) {
+    const bool of_gyro = k < 12;
+    const S density = S(of_gyro ? noise.gyro_density : noise.accel_density);
+    const S sigma = of_gyro ? interval.gyro_sigma : interval.accel_sigma;
+    const S walk = S(of_gyro ? noise.gyro_walk : noise.accel_walk);
+    const S white = density * density / dt + sigma * sigma;
+    covariance(k, k) += walk * walk * dt;
+    for (int r = 0; r < 9; ++r) {
+      covariance(r, k) = covariance(k, r) = FS(r, k);
+      FS(r, k) += white * F(r, k);  // noise enters like a bias: B is part of F
+    }
+  }
+  const Mat<S, 9, 9> S9 = product_transposed(FS, F);
+  for (int c = 0; c < 9; ++c) {
+    for (int r = 0; r <= c; ++r) covariance(r, c) = covariance(c, r) = S(0.5) * (S9(r, c) + S9(c, r));
+  }
+  const Mat<S, 9, 6> FJ = product(block<9, 9>(F, 0, 0), J_delta_bias);
+  J_delta_bias = block<9, 6>(F, 0, 9);  // B
+  J_delta_bias += FJ;
 }
 
 }  // namespace plumbline
