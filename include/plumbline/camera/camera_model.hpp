@@ -41,19 +41,22 @@ concept CameraModel = std::floating_point<typename C::Scalar> && Projects<C> && 
 /// d bearing / d uv, 3x2 [rad/px], of every central model: J_b = J_pi^T (J_pi J_pi^T)^-1 with J_pi at the unit bearing.
 template <class S>
 Mat<S, 3, 2> bearing_jacobian(const Mat<S, 2, 3>& J_uv_bearing) {
-  const Mat<S, 2, 2> JJt = J_uv_bearing * J_uv_bearing.transpose();
+  const Mat<S, 2, 2> JJt = product_transposed(J_uv_bearing, J_uv_bearing);
   const S det = JJt(0, 0) * JJt(1, 1) - JJt(0, 1) * JJt(1, 0);
-  Mat<S, 2, 2> inverse;
-  inverse << JJt(1, 1), -JJt(0, 1), -JJt(1, 0), JJt(0, 0);
-  return J_uv_bearing.transpose() * (inverse / det);
+  Mat<S, 3, 2> out;
+  for (int i = 0; i < 3; ++i) {
+    out(i, 0) = (JJt(1, 1) * J_uv_bearing(0, i) - JJt(0, 1) * J_uv_bearing(1, i)) / det;
+    out(i, 1) = (JJt(0, 0) * J_uv_bearing(1, i) - JJt(1, 0) * J_uv_bearing(0, i)) / det;
+  }
+  return out;
 }
 
 /// f_eff = 1/|J_b|_2 on the optical axis [px/rad]: the unit conversion between angles and pixels of this camera.
 template <CameraModel Camera>
 typename Camera::Scalar effective_focal_length(const Camera& camera) {
   using S = typename Camera::Scalar;
-  const Mat<S, 2, 2> J = camera.project(Vec<S, 3>::UnitZ()).J_uv_p.template leftCols<2>();
-  const Mat<S, 2, 2> M = J * J.transpose();  // its smallest eigenvalue is 1/|J_b|^2
+  const Mat<S, 2, 2> J = block<2, 2>(camera.project(Vec<S, 3>(0, 0, 1)).J_uv_p, 0, 0);
+  const Mat<S, 2, 2> M = product_transposed(J, J);  // its smallest eigenvalue is 1/|J_b|^2
   const S half_trace = (M(0, 0) + M(1, 1)) / 2, half_gap = (M(0, 0) - M(1, 1)) / 2;
   return std::sqrt(half_trace - std::sqrt(half_gap * half_gap + M(0, 1) * M(1, 0)));
 }

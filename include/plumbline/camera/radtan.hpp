@@ -65,7 +65,7 @@ class RadTan {
       if (!(det > 0)) return out;
       out.J << forward.J(1, 1), -forward.J(0, 1), -forward.J(1, 0), forward.J(0, 0);
       out.J /= det;
-      const Vec<S, 2> step = out.J * (m_distorted - forward.m);
+      const Vec<S, 2> step = out.J * Vec<S, 2>(m_distorted - forward.m);
       out.valid = forward.valid && step.squaredNorm() <= tolerance * tolerance * (1 + out.m.squaredNorm());
       if (out.valid) return out;
       out.m += step;

@@ -51,8 +51,10 @@ Plucker<S> operator*(const SE3<S>& T_a_b, const Plucker<S>& line_b) {
 template <class S>
 Mat<S, 6, 6> plucker_transform(const SE3<S>& T_a_b) {
   const Mat<S, 3, 3> R = T_a_b.R();
-  Mat<S, 6, 6> out;
-  out << R, hat(T_a_b.p()) * R, Mat<S, 3, 3>::Zero(), R;
+  Mat<S, 6, 6> out = Mat<S, 6, 6>::Zero();
+  set_block(out, 0, 0, R);
+  set_block(out, 0, 3, product(hat(T_a_b.p()), R));
+  set_block(out, 3, 3, R);
   return out;
 }
 
@@ -71,7 +73,9 @@ class Line3 {
     const bool has_moment = n_norm > std::numeric_limits<S>::epsilon() * v_norm;  // else any u1 will do
     const Vec<S, 3> u1 = has_moment ? Vec<S, 3>(n / n_norm) : u2.unitOrthogonal();
     Mat<S, 3, 3> U;
-    U << u1, u2, u1.cross(u2);
+    set_block(U, 0, 0, u1);
+    set_block(U, 0, 1, u2);
+    set_block(U, 0, 2, u1.cross(u2));
     U_ = SO3<S>::from_matrix(U);
     const S scale = S(1) / std::hypot(n_norm, v_norm);
     w1_ = n_norm * scale;
@@ -90,17 +94,19 @@ class Line3 {
   /// (5), rows n then v.
   Mat<S, 6, 4> plucker_jacobian() const {
     const Mat<S, 3, 3> U = U_.matrix();
-    const Vec<S, 3> zero = Vec<S, 3>::Zero();
     Mat<S, 6, 4> J;
-    J << zero, -w1_ * U.col(2), w1_ * U.col(1), -w2_ * U.col(0),  //
-        w2_ * U.col(2), zero, -w2_ * U.col(0), w1_ * U.col(1);
+    for (int i = 0; i < 3; ++i) {
+      const S u1 = U(i, 0), u2 = U(i, 1), u3 = U(i, 2);
+      J(i, 0) = S(0), J(i, 1) = -w1_ * u3, J(i, 2) = w1_ * u2, J(i, 3) = -w2_ * u1;
+      J(3 + i, 0) = w2_ * u3, J(3 + i, 1) = S(0), J(3 + i, 2) = -w2_ * u1, J(3 + i, 3) = w1_ * u2;
+    }
     return J;
   }
 
   Vec<S, 3> direction() const { return U_.matrix().col(1); }                     ///< unit
   S distance() const { return std::abs(w1_ / w2_); }                             ///< to the origin [m]
   Vec<S, 3> closest_point() const { return (-w1_ / w2_) * U_.matrix().col(2); }  ///< to the origin [m]
-  bool is_finite() const { return U_.quaternion().coeffs().allFinite() && std::isfinite(w1_) && std::isfinite(w2_); }
+  bool is_finite() const { return U_.is_finite() && std::isfinite(w1_) && std::isfinite(w2_); }
 
   const SO3<S>& U() const { return U_; }
   S w1() const { return w1_; }
@@ -110,7 +116,7 @@ class Line3 {
   Line3 plus(const Vec<S, 4>& d) const {
     const S c = std::cos(d[3]), s = std::sin(d[3]), w1 = w1_ * c - w2_ * s, w2 = w2_ * c + w1_ * s;
     const S scale = (w2 < S(0) ? S(-1) : S(1)) / std::hypot(w1, w2);  // both negated are the same line
-    return {plumbline::plus(U_, Vec<S, 3>(d.template head<3>())), scale * w1, scale * w2};
+    return {plumbline::plus(U_, segment<3>(d, 0)), scale * w1, scale * w2};
   }
 
   template <std::floating_point Other>
@@ -140,7 +146,8 @@ Line3<S> plus(const Line3<S>& line, const Vec<S, 4>& d) {
 template <class S>
 Vec<S, 4> minus(const Line3<S>& line1, const Line3<S>& line0) {
   Vec<S, 4> d;
-  d << minus(line1.U(), line0.U()), std::atan2(line1.w2(), line1.w1()) - std::atan2(line0.w2(), line0.w1());
+  set_segment(d, 0, minus(line1.U(), line0.U()));
+  d[3] = std::atan2(line1.w2(), line1.w1()) - std::atan2(line0.w2(), line0.w1());
   return d;
 }
 
@@ -148,7 +155,7 @@ Vec<S, 4> minus(const Line3<S>& line1, const Line3<S>& line0) {
 template <class S>
 Mat<S, 4, 4> minus_jacobian(const Line3<S>& line, const Line3<S>& line0) {
   Mat<S, 4, 4> J = Mat<S, 4, 4>::Identity();
-  J.template topLeftCorner<3, 3>() = minus_jacobian(line.U(), line0.U());
+  set_block(J, 0, 0, minus_jacobian(line.U(), line0.U()));
   return J;
 }
 

@@ -26,10 +26,18 @@ namespace plumbline {
 namespace p3p_detail {
 
 template <class S>
-Mat<S, 3, 3> adjugate(const Mat<S, 3, 3>& A) {  // of a symmetric matrix
+Mat<S, 3, 3> columns(const Vec<S, 3>& a, const Vec<S, 3>& b, const Vec<S, 3>& c) {
   Mat<S, 3, 3> out;
-  out << A.col(1).cross(A.col(2)), A.col(2).cross(A.col(0)), A.col(0).cross(A.col(1));
+  set_block(out, 0, 0, a);
+  set_block(out, 0, 1, b);
+  set_block(out, 0, 2, c);
   return out;
+}
+
+template <class S>
+Mat<S, 3, 3> adjugate(const Mat<S, 3, 3>& A) {  // of a symmetric matrix
+  const Vec<S, 3> a0 = A.col(0), a1 = A.col(1), a2 = A.col(2);
+  return columns<S>(a1.cross(a2), a2.cross(a0), a0.cross(a1));
 }
 
 /// The real root of g^3 + b g^2 + c g + d farthest from the others.
@@ -97,9 +105,7 @@ bool polish(const Vec<S, 3>& cosines, const Vec<S, 3>& sides, Vec<S, 3>& x) {
 template <class S>
 Mat<S, 3, 3> triangle_frame(const Vec<S, 3>& a, const Vec<S, 3>& b, const Vec<S, 3>& c) {
   const Vec<S, 3> x = (b - a).normalized(), z = x.cross(c - a).normalized();
-  Mat<S, 3, 3> F;
-  F << x, z.cross(x), z;
-  return F;
+  return columns<S>(x, z.cross(x), z);
 }
 
 }  // namespace p3p_detail

@@ -128,34 +128,46 @@ template <int MaxFrames, class P>
 bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chain, const AlignmentFrame<P>& begin,
                         const AlignmentFrame<P>& end, const SE3<double>& T_body_cam, double lambda,
                         const InertialAlignmentOptions& options) {
+  using Vec3 = Vec<double, 3>;
   using Mat3 = Mat<double, 3, 3>;
   const auto& d = end.imu->increment();
   const double t = double(d.duration);
-  const Vec<double, 3> dp = d.delta.dp.template cast<double>(), dv = d.delta.dv.template cast<double>();
+  const Vec3 dp = d.delta.dp.template cast<double>(), dv = d.delta.dv.template cast<double>();
+  const Vec3 bias = d.bias_accel.template cast<double>(), p_body_cam = T_body_cam.p();
+  const Mat3 J_p_a = d.J_p_a().template cast<double>(), J_v_a = d.J_v_a().template cast<double>();
   const SE3<double> T_i = begin.T_ref_cam.template cast<double>(), T_j = end.T_ref_cam.template cast<double>();
-  const Mat3 R_body_cam = T_body_cam.R(), Rt = R_body_cam * T_i.R().transpose(),
-             R_i_j = Rt * T_j.R() * R_body_cam.transpose();
-  const Mat<double, 6, 3> J_a = d.J_delta_bias.template block<6, 3>(3, 3).template cast<double>();
+  const SO3<double> R_i_ref = T_body_cam.rotation() * T_i.rotation().inverse();
+  const SO3<double> R_i_j = R_i_ref * T_j.rotation() * T_body_cam.rotation().inverse();
+  const Mat3 Rt = R_i_ref.matrix(), t_Rt = t * Rt;
 
-  Vec<double, 6> delta, c;
-  delta << dp + R_i_j * T_body_cam.p() - T_body_cam.p(), dv;
-  delta -= J_a * d.bias_accel.template cast<double>();
-  c << Rt * (T_j.p() - T_i.p()), Vec<double, 3>::Zero();
-  Mat<double, 6, 3> A_begin, A_end, reaction;
-  A_begin << t * Rt, Rt;
-  A_end << Mat3::Zero(), -Rt;
+  Mat<double, 6, 3> A_begin, A_end;
+  set_block(A_begin, 0, 0, t_Rt);
+  set_block(A_begin, 3, 0, Rt);
+  A_end.setZero();
+  set_block(A_end, 3, 0, Mat3(-Rt));
   Mat<double, 6, AlignmentUnknowns::count> B;
-  B << 0.5 * t * A_begin.topRows<3>(), delta.head<3>(), J_a.topRows<3>(), t * Rt, delta.tail<3>(), J_a.bottomRows<3>();
+  set_block(B, 0, AlignmentUnknowns::g, Mat3(0.5 * t * t_Rt));
+  set_block(B, 3, AlignmentUnknowns::g, t_Rt);
+  set_block(B, 0, AlignmentUnknowns::lambda, Vec3(dp + R_i_j * p_body_cam - p_body_cam - J_p_a * bias));
+  set_block(B, 3, AlignmentUnknowns::lambda, Vec3(dv - J_v_a * bias));
+  set_block(B, 0, AlignmentUnknowns::b_a, J_p_a);
+  set_block(B, 3, AlignmentUnknowns::b_a, J_v_a);
+  Vec<double, 6> c;
+  c.setZero();
+  set_segment(c, 0, Vec3(R_i_ref * Vec3(T_j.p() - T_i.p())));
 
-  reaction << hat(dp), hat(dv);  // to a rotation of frame i
-  Mat<double, 6, 6> variance = d.covariance.template block<6, 6>(3, 3).template cast<double>();
-  variance += options.rotation_sigma * options.rotation_sigma * reaction * reaction.transpose();
-  variance.diagonal().array() += 1e-12;
+  Mat<double, 6, 3> reaction;  // to a rotation of frame i
+  set_block(reaction, 0, 0, hat(dp));
+  set_block(reaction, 3, 0, hat(dv));
+  Mat<double, 6, 6> variance = product_transposed(reaction, reaction);
+  variance *= options.rotation_sigma * options.rotation_sigma;
+  variance += block<6, 6>(d.covariance, 3, 3).template cast<double>();
+  for (int k = 0; k < 6; ++k) variance(k, k) += 1e-12;
   variance *= lambda * lambda;
-  variance.diagonal().head<3>().array() += 2 * options.position_sigma * options.position_sigma;
+  for (int k = 0; k < 3; ++k) variance(k, k) += 2 * options.position_sigma * options.position_sigma;
   const Result<Mat<double, 6, 6>> L = square_root_information(variance);
   if (!L) return false;
-  chain.add_interval(*L * A_begin, *L * A_end, *L * B, *L * c);
+  chain.add_interval(product(*L, A_begin), product(*L, A_end), product(*L, B), product(*L, c));
   return true;
 }
 
@@ -199,23 +211,30 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
   constexpr double pinned = 1e6, on_sphere = 1e4;  // weights: 1/sigma
   for (int round = 0; round < rounds; ++round) {
     const bool free = round < free_rounds;
-    chain.clear();
-    if (options.metric) chain.add_common_row(pinned * Row::Unit(Unknowns::lambda), pinned);
-    const double bias_weight = (free ? pinned : 1 / options.accel_bias_sigma) / lambda;
-    for (int i = 0; i < 3; ++i) chain.add_common_row(bias_weight * Row::Unit(Unknowns::b_a + i), 0);
-    if (!free) {  // (8)
+    const auto add_prior = [&](int k, double weight, double value) {
       Row row = Row::Zero();
-      row.template head<3>() = g.normalized().transpose();
-      row[Unknowns::lambda] = -options.gravity;
-      chain.add_common_row(on_sphere / lambda * row, 0);
+      row[k] = weight;
+      chain.add_common_row(row, weight * value);
+    };
+    chain.clear();
+    if (options.metric) add_prior(Unknowns::lambda, pinned, 1);
+    for (int i = 0; i < 3; ++i)
+      add_prior(Unknowns::b_a + i, (free ? pinned : 1 / options.accel_bias_sigma) / lambda, 0);
+    if (!free) {  // (8)
+      const double weight = on_sphere / lambda;
+      Row row = Row::Zero();
+      for (int i = 0; i < 3; ++i) row[Unknowns::g + i] = weight * g[i] / g.norm();
+      row[Unknowns::lambda] = -weight * options.gravity;
+      chain.add_common_row(row, 0);
     }
     for (std::size_t k = 1; k < frames.size(); ++k) {
       if (!detail::add_alignment_rows(chain, frames[k - 1], frames[k], T_body_camera, lambda, options))
         return stop(AlignmentOutcome::scale_uncertain);
     }
     if (!chain.solve()) return stop(AlignmentOutcome::scale_uncertain);
-    g = chain.common().template head<3>() / chain.common()[Unknowns::lambda];
-    lambda = std::abs(chain.common()[Unknowns::lambda]);
+    const double signed_lambda = chain.common()[Unknowns::lambda];
+    g = segment<3>(chain.common(), Unknowns::g) / signed_lambda;
+    lambda = std::abs(signed_lambda);
     if (round == free_rounds - 1) {
       out.gravity_norm = g.norm();
       if (!(std::abs(out.gravity_norm - options.gravity) <= options.max_gravity_error * options.gravity))
@@ -226,21 +245,27 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
   // Degrees of freedom: 6 rows an interval, those of (8), b_a and metric; less velocities and common unknowns.
   const double freedom = 6 * double(frames.size() - 1) + (options.metric ? 5 : 4) - 3 * double(frames.size()) - 7;
   out.chi2 = chain.cost() / freedom;
-  const Mat<double, 7, 7> covariance = std::max(1.0, out.chi2) * chain.covariance();
-  const Mat<double, 3, 3> tangent = Mat<double, 3, 3>::Identity() - g * g.transpose() / g.squaredNorm();
-  out.gravity_sigma =
-      std::sqrt((tangent * covariance.topLeftCorner<3, 3>() * tangent).trace()) / (lambda * options.gravity);
-  out.scale_sigma = std::sqrt(covariance(Unknowns::lambda, Unknowns::lambda)) / lambda;
-  out.accel_bias_sigma = std::sqrt(covariance.bottomRightCorner<3, 3>().diagonal().maxCoeff()) / lambda;
+  Mat<double, 7, 7> covariance = chain.covariance();
+  covariance *= std::max(1.0, out.chi2);
+  const auto variance = [&](int k) { return covariance(k, k); };
+  const Mat<double, 3, 3> across = hat(g.normalized());  // |across dg| is the part of dg normal to g
+  const Mat<double, 3, 3> tilt = product_transposed(product(across, block<3, 3>(covariance, 0, 0)), across);
+  out.gravity_sigma = std::sqrt(tilt.trace()) / (lambda * options.gravity);
+  out.scale_sigma = std::sqrt(variance(Unknowns::lambda)) / lambda;
+  constexpr int b = Unknowns::b_a;
+  out.accel_bias_sigma = std::sqrt(std::max({variance(b), variance(b + 1), variance(b + 2)})) / lambda;
 
   const SO3<double> R_ref_body =
       frames[0].T_ref_cam.rotation().template cast<double>() * T_body_camera.rotation().inverse();
   const SO3<double> R_world_ref = upright<double>(R_ref_body.inverse() * g) * R_ref_body.inverse();
   out.R_world_ref = R_world_ref.template cast<S>();
   out.scale = S(1 / lambda);
-  out.bias_accel = (chain.common().template tail<3>() / lambda).template cast<S>();
-  for (std::size_t k = 0; k < frames.size(); ++k)
-    out.v_world_body.push_back((R_world_ref * Vec<double, 3>(chain.velocity(int(k)) / lambda)).template cast<S>());
+  const Vec<double, 3> bias_accel = segment<3>(chain.common(), Unknowns::b_a) / lambda;
+  out.bias_accel = bias_accel.cast<S>();
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const Vec<double, 3> v_world_body = R_world_ref * Vec<double, 3>(chain.velocity(int(k)) / lambda);
+    out.v_world_body.push_back(v_world_body.cast<S>());
+  }
   for (std::size_t k = 1; k < frames.size(); ++k) frames[k].imu->reintegrate(out.bias_gyro, out.bias_accel);
 
   if (!(out.gravity_sigma <= options.max_gravity_sigma)) return stop(AlignmentOutcome::gravity_uncertain);

@@ -42,11 +42,12 @@ GyroBias estimate_gyro_bias(std::span<const AlignmentFrame<P>> frames, const SO3
       const SO3<double> R_j = frames[k].T_ref_cam.rotation().template cast<double>() * R_cam_body;
       const Vec<double, 3> e = (d.delta.dR.template cast<double>().inverse() * R_i.inverse() * R_j).log();
       const Mat<double, 3, 3> J = d.J_R_g().template cast<double>();
-      Mat<double, 3, 3> variance = d.covariance.template topLeftCorner<3, 3>().template cast<double>();
-      variance.diagonal().array() += 2 * rotation_sigma * rotation_sigma + 1e-12;
-      const Mat<double, 3, 3> W = variance.inverse();
-      H += J.transpose() * W * J;
-      b += J.transpose() * W * (e + J * d.bias_gyro.template cast<double>());
+      Mat<double, 3, 3> variance = block<3, 3>(d.covariance, 0, 0).template cast<double>();
+      for (int i = 0; i < 3; ++i) variance(i, i) += 2 * rotation_sigma * rotation_sigma + 1e-12;
+      const Mat<double, 3, 3> W = variance.inverse(), Jt_W = J.transpose() * W;
+      const Vec<double, 3> bias = d.bias_gyro.template cast<double>();
+      H += Jt_W * J;
+      b += Jt_W * Vec<double, 3>(e + J * bias);
       squared += e.squaredNorm();
     }
     out.residual = std::sqrt(squared / static_cast<double>(frames.size() - 1));

@@ -24,7 +24,7 @@ struct NavState {
   Vec<S, 3> bias_accel = Vec<S, 3>::Zero();    ///< [m/s^2]
 
   bool is_finite() const {
-    return T_world_body.is_finite() && v_world_body.allFinite() && bias_gyro.allFinite() && bias_accel.allFinite();
+    return T_world_body.is_finite() && all_finite(v_world_body) && all_finite(bias_gyro) && all_finite(bias_accel);
   }
 
   template <std::floating_point Other>
@@ -36,16 +36,18 @@ struct NavState {
 
 template <class S>
 NavState<S> plus(const NavState<S>& x, const Vec<S, 15>& d) {
-  return {plus(x.T_world_body, Vec<S, 6>(d.template head<6>())), x.v_world_body + d.template segment<3>(6),
-          x.bias_gyro + d.template segment<3>(9), x.bias_accel + d.template segment<3>(12)};
+  return {plus(x.T_world_body, segment<6>(d, 0)), x.v_world_body + segment<3>(d, 6), x.bias_gyro + segment<3>(d, 9),
+          x.bias_accel + segment<3>(d, 12)};
 }
 
 /// plus(x0, minus(x1, x0)) = x1.
 template <class S>
 Vec<S, 15> minus(const NavState<S>& x1, const NavState<S>& x0) {
   Vec<S, 15> d;
-  d << minus(x1.T_world_body, x0.T_world_body), x1.v_world_body - x0.v_world_body, x1.bias_gyro - x0.bias_gyro,
-      x1.bias_accel - x0.bias_accel;
+  set_segment(d, 0, minus(x1.T_world_body, x0.T_world_body));
+  set_segment(d, 6, Vec<S, 3>(x1.v_world_body - x0.v_world_body));
+  set_segment(d, 9, Vec<S, 3>(x1.bias_gyro - x0.bias_gyro));
+  set_segment(d, 12, Vec<S, 3>(x1.bias_accel - x0.bias_accel));
   return d;
 }
 
@@ -53,7 +55,7 @@ Vec<S, 15> minus(const NavState<S>& x1, const NavState<S>& x0) {
 template <class S>
 Mat<S, 15, 15> minus_jacobian(const NavState<S>& x, const NavState<S>& x0) {
   Mat<S, 15, 15> J = Mat<S, 15, 15>::Identity();
-  J.template topLeftCorner<6, 6>() = minus_jacobian(x.T_world_body, x0.T_world_body);
+  set_block(J, 0, 0, minus_jacobian(x.T_world_body, x0.T_world_body));
   return J;
 }
 

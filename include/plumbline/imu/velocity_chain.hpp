@@ -6,8 +6,11 @@
 ///   Givens:  [c s; -s c] [R_cc; row_c] = [sqrt(R_cc^2 + row_c^2); 0]  for each column c                          (6)
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <utility>
 
 #include "plumbline/core/assert.hpp"
 #include "plumbline/core/fixed_vector.hpp"
@@ -21,14 +24,15 @@ class VelocityChain {
  public:
   /// No rows, no intervals.
   void clear() {
-    R_.setZero();
+    R_ = {};
     eliminated_.clear();
   }
 
   /// row x = rhs
   void add_common_row(const Mat<double, 1, N>& row, double rhs) {
-    Row full;
-    full << Mat<double, 1, 6>::Zero(), row, rhs;
+    Row full{};
+    for (int n = 0; n < N; ++n) full[6 + n] = row[n];
+    full[columns - 1] = rhs;
     rotate_in(full);
   }
 
@@ -38,78 +42,101 @@ class VelocityChain {
     PLUMBLINE_ASSERT(!eliminated_.full());
     for (int i = 0; i < 6; ++i) {
       Row row;
-      row << A_begin.row(i), A_end.row(i), B.row(i), c[i];
+      for (int n = 0; n < 3; ++n) {
+        row[n] = A_begin(i, n);
+        row[3 + n] = A_end(i, n);
+      }
+      for (int n = 0; n < N; ++n) row[6 + n] = B(i, n);
+      row[columns - 1] = c[i];
       rotate_in(row);
     }
-    eliminated_.push_back(R_.template topRows<3>());
-    const Mat<double, 3, columns> next = R_.template middleRows<3>(3);
-    R_.template topRows<6>().setZero();
-    R_.template block<3, 3>(0, 0) = next.template middleCols<3>(3);
-    R_.template block<3, N + 1>(0, 6) = next.template rightCols<N + 1>();
+    eliminated_.push_back({R_[0], R_[1], R_[2]});
+    for (int i = 0; i < 3; ++i) {  // V_{k+1} takes the place of V_k
+      R_[i] = R_[3 + i];
+      R_[3 + i] = {};
+      for (int n = 0; n < 3; ++n) R_[i][n] = std::exchange(R_[i][3 + n], 0.0);
+    }
   }
 
   /// The minimum. False when anything is not determined: a pivot is lost in the rounding of the largest one.
   bool solve() {
-    Vec<double, N + 3> pivots;
-    pivots << R_.diagonal().template head<3>(), R_.diagonal().template segment<N>(6);
-    double smallest = pivots.cwiseAbs().minCoeff(), largest = pivots.cwiseAbs().maxCoeff();
-    for (const Mat<double, 3, columns>& rows : eliminated_) {
-      smallest = std::min(smallest, rows.diagonal().cwiseAbs().minCoeff());
-      largest = std::max(largest, rows.diagonal().cwiseAbs().maxCoeff());
+    const int last = int(eliminated_.size());
+    double smallest = std::numeric_limits<double>::infinity(), largest = 0;
+    const auto compare = [&](double pivot) {
+      smallest = std::min(smallest, std::abs(pivot));
+      largest = std::max(largest, std::abs(pivot));
+    };
+    for (int n = 0; n < N; ++n) compare(R_[6 + n][6 + n]);
+    for (int k = 0; k <= last; ++k) {
+      for (int i = 0; i < 3; ++i) compare(rows_of(k)[i][i]);
     }
     if (!(smallest > 1e-13 * largest)) return false;
-    const Mat<double, N, N> R_x = R_.template block<N, N>(6, 6);
-    common_ = back_substitute<N>(R_x, R_.template block<N, 1>(6, columns - 1));
-    Mat<double, N, N> inverse;
-    for (int i = 0; i < N; ++i) inverse.col(i) = back_substitute<N>(R_x, Vec<double, N>::Unit(i));
-    covariance_ = inverse.lazyProduct(inverse.transpose());
 
-    Mat<double, 3, columns> rows = R_.template topRows<3>();
-    for (int k = int(eliminated_.size());; --k) {
-      Vec<double, 3> rhs = rows.template rightCols<1>() - rows.template block<3, N>(0, 6).lazyProduct(common_);
-      if (k < int(eliminated_.size())) rhs -= rows.template middleCols<3>(3) * velocities_.col(k + 1);
-      velocities_.col(k) = back_substitute<3>(rows.template leftCols<3>(), rhs);
-      if (k == 0) break;
-      rows = eliminated_[std::size_t(k) - 1];
+    for (int n = 0; n < N; ++n) common_[n] = R_[6 + n][columns - 1];
+    back_substitute(&R_[6], 6, common_);
+    Mat<double, N, N> inverse;
+    for (int n = 0; n < N; ++n) {
+      Vec<double, N> column;
+      for (int i = 0; i < N; ++i) column[i] = i == n;
+      back_substitute(&R_[6], 6, column);
+      set_block(inverse, 0, n, column);
     }
-    return common_.allFinite();
+    covariance_ = product_transposed(inverse, inverse);
+
+    for (int k = last; k >= 0; --k) {
+      Vec<double, 3>& v = velocities_[std::size_t(k)];
+      for (int i = 0; i < 3; ++i) {
+        const Row& row = rows_of(k)[i];
+        v[i] = row[columns - 1];
+        for (int n = 0; n < N; ++n) v[i] -= row[6 + n] * common_[n];
+        for (int n = 0; n < 3 && k < last; ++n) v[i] -= row[3 + n] * velocities_[std::size_t(k) + 1][n];
+      }
+      back_substitute(rows_of(k), 0, v);
+    }
+    return all_finite(common_);
   }
 
   const Vec<double, N>& common() const { return common_; }             ///< x
   const Mat<double, N, N>& covariance() const { return covariance_; }  ///< of x
-  Vec<double, 3> velocity(int k) const { return velocities_.col(k); }
+  Vec<double, 3> velocity(int k) const { return velocities_[std::size_t(k)]; }
   /// Sum of squared residuals.
-  double cost() const { return R_(columns - 1, columns - 1) * R_(columns - 1, columns - 1); }
+  double cost() const { return R_[columns - 1][columns - 1] * R_[columns - 1][columns - 1]; }
 
  private:
   static constexpr int columns = N + 7;  // V_k, V_{k+1}, x | rhs
-  using Row = Mat<double, 1, columns>;
-  using Triangle = Eigen::Matrix<double, columns, columns, Eigen::RowMajor>;
+  using Row = std::array<double, columns>;
 
   void rotate_in(Row& row) {
     for (int c = 0; c < columns; ++c) {
-      const double length = std::hypot(R_(c, c), row[c]);
+      const double length = std::hypot(R_[c][c], row[c]);
       if (length == 0) continue;
-      const double cosine = R_(c, c) / length, sine = row[c] / length;
-      const Row upper = R_.row(c);
-      R_.row(c) = cosine * upper + sine * row;  // (6)
-      row = cosine * row - sine * upper;
+      const double cosine = R_[c][c] / length, sine = row[c] / length;
+      for (int k = 0; k < columns; ++k) {
+        const double upper = R_[c][k], lower = row[k];
+        R_[c][k] = cosine * upper + sine * lower;  // (6)
+        row[k] = cosine * lower - sine * upper;
+      }
       row[c] = 0;
     }
   }
 
-  template <int M>
-  static Vec<double, M> back_substitute(const Mat<double, M, M>& R, Vec<double, M> x) {
-    for (int i = M - 1; i >= 0; --i) {
-      x[i] /= R(i, i);
-      x.head(i) -= x[i] * R.col(i).head(i);
-    }
-    return x;
+  /// The three rows of V_k.
+  const Row* rows_of(int k) const {
+    return k < int(eliminated_.size()) ? eliminated_[std::size_t(k)].data() : R_.data();
   }
 
-  Triangle R_ = Triangle::Zero();
-  FixedVector<Mat<double, 3, columns>, std::size_t(MaxFrames) - 1> eliminated_;
-  Mat<double, 3, MaxFrames> velocities_;  // a column each
+  /// x <- T^-1 x, the triangle T in `rows` from column `first` on.
+  template <int M>
+  static void back_substitute(const Row* rows, int first, Vec<double, M>& x) {
+    for (int i = M - 1; i >= 0; --i) {
+      for (int k = i + 1; k < M; ++k) x[i] -= rows[i][first + k] * x[k];
+      x[i] /= rows[i][first + i];
+    }
+  }
+
+  std::array<Row, columns> R_{};
+  FixedVector<std::array<Row, 3>, std::size_t(MaxFrames) - 1> eliminated_;
+  std::array<Vec<double, 3>, std::size_t(MaxFrames)> velocities_;
   Vec<double, N> common_;
   Mat<double, N, N> covariance_;
 };

@@ -24,8 +24,7 @@ SO3<S> plus(const SO3<S>& R, const Vec<S, 3>& dphi) {
 
 template <class S>
 SE3<S> plus(const SE3<S>& T, const Vec<S, 6>& d) {
-  return SE3<S>(plus(T.rotation(), Vec<S, 3>(d.template head<3>())),
-                T.p() + T.rotation() * Vec<S, 3>(d.template tail<3>()));
+  return SE3<S>(plus(T.rotation(), segment<3>(d, 0)), T.p() + T.rotation() * segment<3>(d, 3));
 }
 
 template <class S>
@@ -46,7 +45,8 @@ Vec<S, 3> minus(const SO3<S>& R1, const SO3<S>& R0) {
 template <class S>
 Vec<S, 6> minus(const SE3<S>& T1, const SE3<S>& T0) {
   Vec<S, 6> d;
-  d << minus(T1.rotation(), T0.rotation()), T0.rotation().inverse() * Vec<S, 3>(T1.p() - T0.p());
+  set_segment(d, 0, minus(T1.rotation(), T0.rotation()));
+  set_segment(d, 3, T0.rotation().inverse() * Vec<S, 3>(T1.p() - T0.p()));
   return d;
 }
 
@@ -79,8 +79,8 @@ template <class S>
 Mat<S, 6, 6> minus_jacobian(const SE3<S>& T, const SE3<S>& T0) {
   const SO3<S> R0_R = T0.rotation().inverse() * T.rotation();
   Mat<S, 6, 6> J = Mat<S, 6, 6>::Zero();
-  J.template topLeftCorner<3, 3>() = SO3<S>::right_jacobian_inverse(R0_R.log());
-  J.template bottomRightCorner<3, 3>() = R0_R.matrix();
+  set_block(J, 0, 0, SO3<S>::right_jacobian_inverse(R0_R.log()));
+  set_block(J, 3, 3, R0_R.matrix());
   return J;
 }
 

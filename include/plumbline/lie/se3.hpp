@@ -27,8 +27,8 @@ class SE3 {
   SE3(const SO3<S>& rotation, const Vec<S, 3>& p) : rotation_(rotation), p_(p) {}
 
   static SE3 exp(const Tangent& xi) {
-    const Vec<S, 3> phi = xi.template head<3>();
-    return SE3(SO3<S>::exp(phi), SO3<S>::left_jacobian(phi) * xi.template tail<3>());  // (4)
+    const Vec<S, 3> phi = segment<3>(xi, 0);
+    return SE3(SO3<S>::exp(phi), SO3<S>::left_jacobian(phi) * segment<3>(xi, 3));  // (4)
   }
   Tangent log() const {
     const Vec<S, 3> phi = rotation_.log();
@@ -47,7 +47,7 @@ class SE3 {
   Mat<S, 3, 3> R() const { return rotation_.matrix(); }
   const SO3<S>& rotation() const { return rotation_; }
   const Vec<S, 3>& p() const { return p_; }
-  bool is_finite() const { return p_.allFinite() && rotation_.quaternion().coeffs().allFinite(); }
+  bool is_finite() const { return all_finite(p_) && rotation_.is_finite(); }
 
   template <std::floating_point Other>
   SE3<Other> cast() const {
@@ -56,8 +56,10 @@ class SE3 {
 
   Matrix6 adjoint() const {
     const Mat<S, 3, 3> R = rotation_.matrix();
-    Matrix6 out;
-    out << R, Mat<S, 3, 3>::Zero(), hat(p_) * R, R;  // (5)
+    Matrix6 out = Matrix6::Zero();  // (5)
+    set_block(out, 0, 0, R);
+    set_block(out, 3, 0, product(hat(p_), R));
+    set_block(out, 3, 3, R);
     return out;
   }
 

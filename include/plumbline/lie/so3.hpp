@@ -74,6 +74,7 @@ class SO3 {
   Matrix matrix() const { return q_.toRotationMatrix(); }
   Matrix adjoint() const { return matrix(); }
   const Eigen::Quaternion<S>& quaternion() const { return q_; }
+  bool is_finite() const { return all_finite(q_.coeffs()); }
 
   template <std::floating_point Other>
   SO3<Other> cast() const {
@@ -82,19 +83,29 @@ class SO3 {
 
   static Matrix right_jacobian(const Tangent& phi) {
     const RotationCoefficients<S> c = RotationCoefficients<S>::at(phi.squaredNorm());
-    const Matrix P = hat(phi);
-    return Matrix::Identity() - c.B * P + c.C * P * P;  // (2)
+    return quadratic(phi, -c.B, c.C);  // (2)
   }
   static Matrix left_jacobian(const Tangent& phi) { return right_jacobian(-phi); }
 
   static Matrix right_jacobian_inverse(const Tangent& phi) {
     const RotationCoefficients<S> c = RotationCoefficients<S>::at(phi.squaredNorm());
-    const Matrix P = hat(phi);
-    return Matrix::Identity() + S(0.5) * P + c.D * P * P;  // (3)
+    return quadratic(phi, S(0.5), c.D);  // (3)
   }
   static Matrix left_jacobian_inverse(const Tangent& phi) { return right_jacobian_inverse(-phi); }
 
  private:
+  /// I + b P + c P^2,  P = [phi]x,  P^2 = phi phi^T - |phi|^2 I
+  static Matrix quadratic(const Tangent& phi, S b, S c) {
+    const Tangent b_phi = b * phi;
+    const S rest = S(1) - c * phi.squaredNorm();
+    Matrix out = hat(b_phi);
+    for (int j = 0; j < 3; ++j) {
+      for (int i = 0; i < 3; ++i) out(i, j) += c * phi[i] * phi[j];
+      out(j, j) += rest;
+    }
+    return out;
+  }
+
   /// For |q|^2 = 1 + e with e a few roundings: one step of 1/sqrt(1 + e) = (3 - |q|^2)/2 + O(e^2), so products never
   /// drift.
   struct NearlyUnit {};

@@ -77,9 +77,10 @@ struct AnchoredLine {
     TargetLinearized out;
     out.valid = lin.valid;
     if (!out.valid) return out;
-    const Mat<S, dim, 3> tilted = lin.J_r_n * hat(view.t_target_anchor()) + lin.J_r_v;
-    out.by_anchor.J_r_n.noalias() = lin.J_r_n * view.R_target_anchor();
-    out.by_anchor.J_r_v.noalias() = tilted * view.R_target_anchor();
+    Mat<S, dim, 3> tilted = product(lin.J_r_n, hat(view.t_target_anchor()));
+    tilted += lin.J_r_v;
+    out.by_anchor.J_r_n = product(lin.J_r_n, view.R_target_anchor());
+    out.by_anchor.J_r_v = product(tilted, view.R_target_anchor());
     out.r = lin.r;
     out.J_r_target = line_pose_jacobian(lin, in_target, Mat<S, 3, 3>(view.R_body_cam().transpose()), view.p_body_cam());
     out.J_r_line = by_line(out.by_anchor, line);
@@ -103,7 +104,9 @@ struct AnchoredLine {
  private:
   /// (15)
   static Mat<S, dim, 4> by_line(const CameraLineLinearization<S, dim>& lin, const LinearizedLine<S>& line) {
-    return lin.J_r_n * line.J.template topRows<3>() + lin.J_r_v * line.J.template bottomRows<3>();
+    Mat<S, dim, 4> J = product(lin.J_r_n, block<3, 4>(line.J, 0, 0));
+    J += product(lin.J_r_v, block<3, 4>(line.J, 3, 0));
+    return J;
   }
 };
 

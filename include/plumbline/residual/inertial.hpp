@@ -32,9 +32,9 @@ struct InertialResidual {
 
     /// By L of `ImuIncrement::square_root_information`.
     void whiten(const Mat<S, 15, 15>& L) {
-      r = L.lazyProduct(r).eval();  // lazy: Eigen's large products are not free of a heap
-      J_r_i = L.lazyProduct(J_r_i).eval();
-      J_r_j = L.lazyProduct(J_r_j).eval();
+      r = product(L, r);
+      J_r_i = product(L, J_r_i);
+      J_r_j = product(L, J_r_j);
     }
   };
 
@@ -49,7 +49,7 @@ struct InertialResidual {
     Linearized out;
     out.r = residual(x_i, x_j);
     jacobians(x_i0, x_j0, out.J_r_i, out.J_r_j);
-    out.valid = increment.duration > S(0) && out.r.allFinite() && out.J_r_i.allFinite();
+    out.valid = increment.duration > S(0) && all_finite(out.r) && all_finite(out.J_r_i);
     return out;
   }
 
@@ -58,36 +58,42 @@ struct InertialResidual {
     const typename ImuIncrement<S>::Delta d = increment.corrected(x_i.bias_gyro, x_i.bias_accel);
     const SO3<S> R_body_world = x_i.T_world_body.rotation().inverse();
     Vec<S, 15> r;
-    r << (d.dR.inverse() * R_body_world * x_j.T_world_body.rotation()).log(),
-        R_body_world * beyond_fall(x_i, x_j) - d.dp, R_body_world * velocity_change(x_i, x_j) - d.dv,
-        x_j.bias_gyro - x_i.bias_gyro, x_j.bias_accel - x_i.bias_accel;
+    set_segment(r, 0, (d.dR.inverse() * R_body_world * x_j.T_world_body.rotation()).log());
+    set_segment(r, 3, Vec<S, 3>(R_body_world * beyond_fall(x_i, x_j) - d.dp));
+    set_segment(r, 6, Vec<S, 3>(R_body_world * velocity_change(x_i, x_j) - d.dv));
+    set_segment(r, 9, Vec<S, 3>(x_j.bias_gyro - x_i.bias_gyro));
+    set_segment(r, 12, Vec<S, 3>(x_j.bias_accel - x_i.bias_accel));
     return r;
   }
 
   /// (10)
   void jacobians(const NavState<S>& x_i, const NavState<S>& x_j, Mat<S, 15, 15>& J_r_i, Mat<S, 15, 15>& J_r_j) const {
     using Mat3 = Mat<S, 3, 3>;
-    const Vec<S, 3> bias_shift = increment.J_R_g() * (x_i.bias_gyro - increment.bias_gyro);
+    const Mat3 J_R_g = increment.J_R_g();
+    const Vec<S, 3> bias_shift = J_R_g * Vec<S, 3>(x_i.bias_gyro - increment.bias_gyro);
     const SO3<S> R_i_j = x_i.T_world_body.rotation().inverse() * x_j.T_world_body.rotation();
     const SO3<S> error = (increment.delta.dR * SO3<S>::exp(bias_shift)).inverse() * R_i_j;
     const Mat3 R_i_transposed = x_i.T_world_body.R().transpose(), Ji = SO3<S>::right_jacobian_inverse(error.log());
 
+    const Mat3 minus_Ji = -Ji, turned_back = minus_Ji * error.inverse().matrix();
+    const Mat3 shifted = SO3<S>::right_jacobian(bias_shift) * J_R_g;
+
     J_r_i.setZero();
-    J_r_i.template block<3, 3>(0, 0) = -Ji * R_i_j.matrix().transpose();
-    J_r_i.template block<3, 3>(0, 9) =
-        -Ji * error.matrix().transpose() * SO3<S>::right_jacobian(bias_shift) * increment.J_R_g();
-    J_r_i.template block<3, 3>(3, 0) = hat(Vec<S, 3>(R_i_transposed * beyond_fall(x_i, x_j)));
-    J_r_i.template block<3, 3>(3, 3).diagonal().setConstant(S(-1));
-    J_r_i.template block<3, 3>(3, 6) = -increment.duration * R_i_transposed;
-    J_r_i.template block<3, 3>(6, 0) = hat(Vec<S, 3>(R_i_transposed * velocity_change(x_i, x_j)));
-    J_r_i.template block<3, 3>(6, 6) = -R_i_transposed;
-    J_r_i.template block<6, 6>(3, 9) = -increment.J_delta_bias.template bottomRows<6>();
-    J_r_i.template block<6, 6>(9, 9).diagonal().setConstant(S(-1));
+    set_block(J_r_i, 0, 0, product(minus_Ji, R_i_j.inverse().matrix()));
+    set_block(J_r_i, 0, 9, product(turned_back, shifted));
+    set_block(J_r_i, 3, 0, hat(Vec<S, 3>(R_i_transposed * beyond_fall(x_i, x_j))));
+    set_block(J_r_i, 3, 6, Mat3(-increment.duration * R_i_transposed));
+    set_block(J_r_i, 6, 0, hat(Vec<S, 3>(R_i_transposed * velocity_change(x_i, x_j))));
+    set_block(J_r_i, 6, 6, Mat3(-R_i_transposed));
+    for (int c = 0; c < 6; ++c) {
+      for (int r = 3; r < 9; ++r) J_r_i(r, 9 + c) = -increment.J_delta_bias(r, c);
+    }
+    for (const int k : {3, 4, 5, 9, 10, 11, 12, 13, 14}) J_r_i(k, k) = S(-1);
 
     J_r_j.setIdentity();
-    J_r_j.template block<3, 3>(0, 0) = Ji;
-    J_r_j.template block<3, 3>(3, 3) = R_i_j.matrix();
-    J_r_j.template block<3, 3>(6, 6) = R_i_transposed;
+    set_block(J_r_j, 0, 0, Ji);
+    set_block(J_r_j, 3, 3, R_i_j.matrix());
+    set_block(J_r_j, 6, 6, R_i_transposed);
   }
 
  private:

@@ -44,9 +44,9 @@ struct InverseDepthReprojection {
     out.valid = projection.valid;
     if (!out.valid) return out;
     out.r = projection.uv - uv_measured;  // (5)
-    out.J_r_anchor.noalias() = projection.J_uv_p * point.J_anchor;
-    out.J_r_target.noalias() = projection.J_uv_p * point.J_target;
-    out.J_r_lambda.noalias() = projection.J_uv_p * view.t_target_anchor();
+    out.J_r_anchor = product(projection.J_uv_p, point.J_anchor);
+    out.J_r_target = product(projection.J_uv_p, point.J_target);
+    out.J_r_lambda = product(projection.J_uv_p, view.t_target_anchor());
     return out;
   }
 };
@@ -67,8 +67,10 @@ struct InverseDepthMeasurement {
     if (!out.valid) return out;
     const S iz = S(1) / point.P.z(), slope = -lambda * iz * iz;
     out.r(0) = lambda * iz - inverse_depth_measured;  // (6)
-    out.J_r_anchor = slope * point.J_anchor.row(2);
-    out.J_r_target = slope * point.J_target.row(2);
+    for (int k = 0; k < 6; ++k) {
+      out.J_r_anchor(0, k) = slope * point.J_anchor(2, k);
+      out.J_r_target(0, k) = slope * point.J_target(2, k);
+    }
     out.J_r_lambda(0) = iz + slope * view.t_target_anchor().z();
     return out;
   }

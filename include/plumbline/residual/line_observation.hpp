@@ -39,6 +39,14 @@ bool line_visible(const Plucker<S>& line, const Vec<S, 3>& bearing) {
          bearing.dot(line.v.cross(line.n)) > S(0);
 }
 
+/// (a^T; b^T)
+template <class S>
+Mat<S, 2, 3> rows(const Vec<S, 3>& a, const Vec<S, 3>& b) {
+  Mat<S, 2, 3> out;
+  out << a[0], a[1], a[2], b[0], b[1], b[2];
+  return out;
+}
+
 /// (9)
 template <std::floating_point S>
 struct LineReprojection {
@@ -62,8 +70,8 @@ struct LineReprojection {
     const Vec<S, 3> nh = line.n * inverse_norm;
     const S e_start = nh.dot(bearing_start), e_end = nh.dot(bearing_end);
     out.r << px_per_rad[0] * e_start, px_per_rad[1] * e_end;
-    out.J_r_n.row(0) = (px_per_rad[0] * inverse_norm) * (bearing_start - e_start * nh).transpose();
-    out.J_r_n.row(1) = (px_per_rad[1] * inverse_norm) * (bearing_end - e_end * nh).transpose();
+    out.J_r_n = rows<S>((px_per_rad[0] * inverse_norm) * (bearing_start - e_start * nh),
+                        (px_per_rad[1] * inverse_norm) * (bearing_end - e_end * nh));
     out.J_r_v.setZero();
     return out;
   }
@@ -121,10 +129,9 @@ struct LineInverseDepth {
     const Vec<S, 3> q = line.facing_plane();
     const Vec<S, 2> predicted(q.dot(m_start), q.dot(m_end));
     out.r = predicted - inverse_depth_measured;
-    out.J_r_n.row(0) = inverse_square * (m_start.cross(line.v) - 2 * predicted[0] * line.n).transpose();
-    out.J_r_n.row(1) = inverse_square * (m_end.cross(line.v) - 2 * predicted[1] * line.n).transpose();
-    out.J_r_v.row(0) = inverse_square * line.n.cross(m_start).transpose();
-    out.J_r_v.row(1) = inverse_square * line.n.cross(m_end).transpose();
+    out.J_r_n = rows<S>(inverse_square * (m_start.cross(line.v) - 2 * predicted[0] * line.n),
+                        inverse_square * (m_end.cross(line.v) - 2 * predicted[1] * line.n));
+    out.J_r_v = rows<S>(inverse_square * line.n.cross(m_start), inverse_square * line.n.cross(m_end));
     return out;
   }
 };
@@ -136,9 +143,14 @@ static_assert(Residual<LineReprojection<float>> && Residual<LineInverseDepth<dou
 template <class S, int Rows>
 Mat<S, Rows, 6> line_pose_jacobian(const CameraLineLinearization<S, Rows>& lin, const Plucker<S>& line,
                                    const Mat<S, 3, 3>& R_cam_body, const Vec<S, 3>& p_body_cam) {
-  const Mat<S, Rows, 3> J_p = lin.J_r_n * hat(line.v) * R_cam_body;
+  const Mat<S, Rows, 3> J_p = product(product(lin.J_r_n, hat(line.v)), R_cam_body);
+  Mat<S, Rows, 3> J_cam = product(lin.J_r_n, hat(line.n));
+  J_cam += product(lin.J_r_v, hat(line.v));
+  Mat<S, Rows, 3> J_phi = product(J_cam, R_cam_body);
+  J_phi -= product(J_p, hat(p_body_cam));
   Mat<S, Rows, 6> J;
-  J << (lin.J_r_n * hat(line.n) + lin.J_r_v * hat(line.v)) * R_cam_body - J_p * hat(p_body_cam), J_p;
+  set_block(J, 0, 0, J_phi);
+  set_block(J, 0, 3, J_p);
   return J;
 }
 

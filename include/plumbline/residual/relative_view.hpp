@@ -61,8 +61,7 @@ class RelativeView {
   template <int Rows>
   Mat<S, Rows, 6> target_jacobian(const Mat<S, Rows, 3>& J_r_P, const Vec<S, 3>& P, S inverse_range) const {
     const Vec<S, 3> q = R_e_ * P + inverse_range * p_e_;
-    Mat<S, Rows, 3> B;
-    B.noalias() = J_r_P * R_e_.transpose();
+    const Mat<S, Rows, 3> B = product_transposed(J_r_P, R_e_);
     Mat<S, Rows, 6> out;
     for (int k = 0; k < Rows; ++k) {
       out(k, 0) = q.z() * B(k, 1) - q.y() * B(k, 2);  // B [q]x

@@ -40,6 +40,15 @@ struct WorldPointLinearization {
   Mat<S, Rows, 3> J_r_point;
 };
 
+/// From the derivative by the point in the body frame.
+template <class S, int Rows>
+void by_pose_and_point(const Mat<S, Rows, 3>& J_r_body, const BodyView<S>& view, const Vec<S, 3>& p_body,
+                       WorldPointLinearization<S, Rows>& out) {
+  set_block(out.J_r_pose, 0, 0, product(J_r_body, hat(p_body)));
+  set_block(out.J_r_pose, 0, 3, Mat<S, Rows, 3>(-J_r_body));
+  out.J_r_point = product(J_r_body, view.R_body_world);
+}
+
 template <CameraModel Camera>
 struct PointReprojection {
   using Scalar = typename Camera::Scalar;
@@ -55,10 +64,8 @@ struct PointReprojection {
     Linearized out;
     out.valid = projection.valid;
     if (!out.valid) return out;
-    const Mat<S, 2, 3> J_uv_body = projection.J_uv_p * view.R_cam_body;
     out.r = projection.uv - uv_measured;  // (7)
-    out.J_r_pose << J_uv_body * hat(p_body), -J_uv_body;
-    out.J_r_point.noalias() = J_uv_body * view.R_body_world;
+    by_pose_and_point(product(projection.J_uv_p, view.R_cam_body), view, p_body, out);
     return out;
   }
 };
@@ -74,14 +81,13 @@ struct PointInverseDepth {
 
   Linearized linearize(const BodyView<S>& view, const Vec<S, 3>& p_world) const {
     const Vec<S, 3> p_body = view.body_point(p_world);
-    const S z = view.R_cam_body.row(2).dot(p_body - view.p_body_cam);
+    const Mat<S, 1, 3> z_body = block<1, 3>(view.R_cam_body, 2, 0);
+    const S z = product(z_body, Vec<S, 3>(p_body - view.p_body_cam))[0];
     Linearized out;
     out.valid = z > z_min;
     if (!out.valid) return out;
-    const Mat<S, 1, 3> J_body = (S(-1) / (z * z)) * view.R_cam_body.row(2);
     out.r(0) = S(1) / z - inverse_depth_measured;  // (8)
-    out.J_r_pose << J_body * hat(p_body), -J_body;
-    out.J_r_point.noalias() = J_body * view.R_body_world;
+    by_pose_and_point(Mat<S, 1, 3>((S(-1) / (z * z)) * z_body), view, p_body, out);
     return out;
   }
 };

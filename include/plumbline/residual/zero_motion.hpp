@@ -50,12 +50,12 @@ struct ZeroMotion {
     out.r = minus(T_world_j, T_world_i);  // (12)
     out.J_r_j = minus_jacobian(T_world_j0, T_world_i0);
     out.J_r_i.setZero();
-    out.J_r_i.template topLeftCorner<3, 3>() =
-        -out.J_r_j.template topLeftCorner<3, 3>() * out.J_r_j.template bottomRightCorner<3, 3>().transpose();
-    out.J_r_i.template bottomLeftCorner<3, 3>() =
-        hat(Vec<S, 3>(T_world_i0.rotation().inverse() * Vec<S, 3>(T_world_j0.p() - T_world_i0.p())));
-    out.J_r_i.template bottomRightCorner<3, 3>() = -Mat<S, 3, 3>::Identity();
-    out.valid = out.r.allFinite() && out.J_r_i.allFinite();
+    const Mat<S, 3, 3> minus_Jr_inverse = -block<3, 3>(out.J_r_j, 0, 0), R_i_j = block<3, 3>(out.J_r_j, 3, 3);
+    const Vec<S, 3> p_i_j = T_world_i0.rotation().inverse() * Vec<S, 3>(T_world_j0.p() - T_world_i0.p());
+    set_block(out.J_r_i, 0, 0, product_transposed(minus_Jr_inverse, R_i_j));
+    set_block(out.J_r_i, 3, 0, hat(p_i_j));
+    for (int k = 3; k < 6; ++k) out.J_r_i(k, k) = S(-1);
+    out.valid = all_finite(out.r) && all_finite(out.J_r_i);
     return out;
   }
 };
