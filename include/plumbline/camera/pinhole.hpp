@@ -42,15 +42,17 @@ struct Pinhole {
     out.valid = p_cam.z() > z_min;  // false for NaN too
     if (!out.valid) return out;
     const S iz = S(1) / p_cam.z();
-    const Vec<S, 2> m = p_cam.template head<2>() * iz;
+    const Vec<S, 2> m(p_cam.x() * iz, p_cam.y() * iz);
     const auto distorted = distortion.distort(m);
     out.valid = distorted.valid;
     out.uv << fx * distorted.m.x() + cx, fy * distorted.m.y() + cy;  // (1)
     Mat<S, 2, 3> J_m_p;
     J_m_p << iz, S(0), -m.x() * iz, S(0), iz, -m.y() * iz;
-    out.J_uv_p.noalias() = distorted.J * J_m_p;  // (2)
-    out.J_uv_p.row(0) *= fx;
-    out.J_uv_p.row(1) *= fy;
+    out.J_uv_p = product(distorted.J, J_m_p);  // (2)
+    for (int k = 0; k < 3; ++k) {
+      out.J_uv_p(0, k) *= fx;
+      out.J_uv_p(1, k) *= fy;
+    }
     return out;
   }
 

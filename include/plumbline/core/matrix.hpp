@@ -62,13 +62,6 @@ void set_segment(Vec<S, Size>& x, int i, const Vec<S, N>& y) {
   for (int k = 0; k < N; ++k) x.coeffRef(i + k) = y.coeff(k);
 }
 
-template <class S, int R, int C>
-bool all_finite(const Mat<S, R, C>& A) {
-  bool finite = true;
-  for (int k = 0; k < R * C; ++k) finite = finite && std::isfinite(A.data()[k]);
-  return finite;
-}
-
 /// A B
 template <class S, int R, int K, int C>
 Mat<S, R, C> product(const Mat<S, R, K>& A, const Mat<S, K, C>& B) {

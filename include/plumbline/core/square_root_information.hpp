@@ -15,21 +15,21 @@ namespace plumbline {
 /// Reads the lower triangle. Fails on what is not positive definite or not finite.
 template <class S, int N>
 Result<Mat<S, N, N>> square_root_information(const Mat<S, N, N>& covariance) {
-  Eigen::Matrix<S, N, N, Eigen::RowMajor> C;
+  S C[N][N];
   Mat<S, N, N> L = Mat<S, N, N>::Zero();
   for (int i = 0; i < N; ++i) {
     for (int j = 0; j < i; ++j) {
       S sum = S(0);
-      for (int k = 0; k < j; ++k) sum += C(i, k) * C(j, k);
-      C(i, j) = L(j, j) * (covariance(i, j) - sum);
+      for (int k = 0; k < j; ++k) sum += C[i][k] * C[j][k];
+      C[i][j] = L(j, j) * (covariance(i, j) - sum);
     }
     S pivot = covariance(i, i);
-    for (int k = 0; k < i; ++k) pivot -= C(i, k) * C(i, k);
+    for (int k = 0; k < i; ++k) pivot -= C[i][k] * C[i][k];
     if (!(pivot > S(0)) || !(pivot <= std::numeric_limits<S>::max())) return Error::not_positive_definite;
     L(i, i) = S(1) / std::sqrt(pivot);
     for (int j = 0; j < i; ++j) {
       S sum = S(0);
-      for (int k = j; k < i; ++k) sum += C(i, k) * L(k, j);
+      for (int k = j; k < i; ++k) sum += C[i][k] * L(k, j);
       L(i, j) = -L(i, i) * sum;
     }
   }

@@ -168,10 +168,10 @@ class InertialEstimator : public InertialStarter<Sensors, FeatureSet, BackendPol
     }
     const Mat<S, 6, 6> before = estimate_.covariance;
     this->publish(t_ns);
-    const S dt = imu_.since_frame().increment().duration;
-    estimate_.covariance = before + imu_.since_frame().increment().covariance.template topLeftCorner<6, 6>();
-    estimate_.covariance.diagonal().template tail<3>().array() +=
-        S(options_.fusion.velocity_sigma * options_.fusion.velocity_sigma) * dt;
+    const auto& increment = imu_.since_frame().increment();
+    estimate_.covariance = before + block<6, 6>(increment.covariance, 0, 0);
+    const S walk = S(options_.fusion.velocity_sigma * options_.fusion.velocity_sigma) * increment.duration;
+    for (int k = 3; k < 6; ++k) estimate_.covariance(k, k) += walk;
     estimate_.tracked = 0;
     const double blind_s = seconds_between(good_ns_, t_ns);
     const bool lost = !(blind_s < options_.fusion.max_coasting_s);

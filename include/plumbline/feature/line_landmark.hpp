@@ -141,7 +141,7 @@ struct LineLandmark {
     if (located) {
       const Plucker<S> plucker = line.plucker();
       const Vec<S, 6> change = change_s * line_slope();
-      line = Line3<S>(Plucker<S>{plucker.n + change.template head<3>(), plucker.v + change.template tail<3>()});
+      line = Line3<S>(Plucker<S>{plucker.n + segment<3>(change, 0), plucker.v + segment<3>(change, 3)});
     }
     current.change_readout(change_s);
     for (SegmentObservation<S>& seen : observations) seen.change_readout(change_s);
@@ -161,14 +161,15 @@ struct LineLandmark {
   /// The distances of both ends of the anchor's segment are known to a third, and the line keeps clear of the camera.
   bool is_sound() const {
     const SegmentObservation<S>& seen = seen_by_anchor();
-    if (!seen.valid || !(line.distance() > S(0.02)) || !covariance.allFinite()) return false;
+    if (!seen.valid || !(line.distance() > S(0.02)) || !all_finite(covariance)) return false;
     const LineInverseDepth<S> ends{seen.pixels.bearing_start / seen.pixels.bearing_start.z(),
                                    seen.pixels.bearing_end / seen.pixels.bearing_end.z(), Vec<S, 2>::Zero()};
     const auto inverse_depth = AnchoredLine<LineInverseDepth<S>>{ends}.linearize_in_anchor(line);
     if (!inverse_depth.valid) return false;
     for (int i = 0; i < 2; ++i) {
-      const Vec<S, 4> J = inverse_depth.J_r_line.row(i);
-      if (!(inverse_depth.r[i] > 3 * std::sqrt(J.dot(covariance * J)))) return false;
+      const Mat<S, 1, 4> J = block<1, 4>(inverse_depth.J_r_line, i, 0);
+      const S variance = product_transposed(product(J, covariance), J)(0, 0);
+      if (!(inverse_depth.r[i] > 3 * std::sqrt(variance))) return false;
     }
     return true;
   }

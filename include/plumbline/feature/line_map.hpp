@@ -339,9 +339,9 @@ class LineMap {
       if (!system.solve(step) || !system.covariance(covariance)) return;
       line = line.plus(Vec<S, 4>(step.template cast<S>()));
     }
-    if (AnchoredLine<LineReprojection<S>> pixels{in_anchor.pixels};
-        (in_anchor.pixels_L * pixels.linearize_in_anchor(line).r).squaredNorm() <
-        S(13.8)) {  // 99.9 %, as in the window
+    const AnchoredLine<LineReprojection<S>> pixels{in_anchor.pixels};
+    const Vec<S, 2> r = product(in_anchor.pixels_L, pixels.linearize_in_anchor(line).r);
+    if (r.squaredNorm() < S(13.8)) {  // 99.9 %, as in the window
       locate(landmark, line, covariance.template cast<S>());
     }
   }
@@ -350,13 +350,13 @@ class LineMap {
   static void add_anchor(const Measurement& measurement, const Mat<S, 2, 2>& L, const Line3<S>& line,
                          DenseNormalEquations<double, 4>& system) {
     const auto lin = AnchoredLine<Measurement>{measurement}.linearize_in_anchor(line);
-    if (lin.valid) system.add(Mat<S, 2, 4>(L * lin.J_r_line), Vec<S, 2>(L * lin.r), 1.0);
+    if (lin.valid) system.add(product(L, lin.J_r_line), product(L, lin.r), 1.0);
   }
   template <class Measurement>
   static void add_latest(const Measurement& measurement, const Mat<S, 2, 2>& L, const RelativeView<S>& latest,
                          const Line3<S>& line, DenseNormalEquations<double, 4>& system) {
     const auto lin = AnchoredLine<Measurement>{measurement}.linearize(latest, line);
-    if (lin.valid) system.add(Mat<S, 2, 4>(L * lin.J_r_lambda), Vec<S, 2>(L * lin.r), 1.0);
+    if (lin.valid) system.add(product(L, lin.J_r_lambda), product(L, lin.r), 1.0);
   }
 
   /// New landmarks from segments that are no part of one in sight.

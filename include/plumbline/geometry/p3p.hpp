@@ -70,10 +70,11 @@ bool split_lines(const Mat<S, 3, 3>& D, Vec<S, 3>& l, Vec<S, 3>& m) {
   const S scale = D.squaredNorm();
   if (!(B(i, i) <= 100 * std::numeric_limits<S>::epsilon() * scale)) return false;
   Mat<S, 3, 3> C = D;
-  if (B(i, i) < 0) C += hat(Vec<S, 3>(B.col(i) / std::sqrt(-B(i, i))));  // rank one: the outer product of l and m
+  if (B(i, i) < 0)
+    C += hat(Vec<S, 3>(block<3, 1>(B, 0, i) / std::sqrt(-B(i, i))));  // rank one: the outer product of l and m
   if (!(C.cwiseAbs().maxCoeff(&row, &col) > 0)) return false;
-  l = C.row(row).transpose().normalized();
-  m = C.col(col).normalized();
+  l = Vec<S, 3>(C(row, 0), C(row, 1), C(row, 2)).normalized();
+  m = block<3, 1>(C, 0, col).normalized();
   return true;
 }
 
@@ -160,7 +161,7 @@ FixedVector<SE3<S>, 4> p3p(const std::array<Vec<S, 3>, 3>& bearings, const std::
       if (!p3p_detail::polish(cosines, sides, x)) continue;
       x *= std::sqrt(size2);
       const Mat3 F_cam = p3p_detail::triangle_frame(Vec3(x[0] * b1), Vec3(x[1] * b2), Vec3(x[2] * b3));
-      const SO3<S> R = SO3<S>::from_matrix(F_cam * F_world.transpose());
+      const SO3<S> R = SO3<S>::from_matrix(product_transposed(F_cam, F_world));
       const SE3<S> T_cam_world(R, (x[0] * b1 + x[1] * b2 + x[2] * b3 - (R * p1 + R * p2 + R * p3)) / 3);
       if (T_cam_world.is_finite()) out.push_back(T_cam_world);
     }

@@ -191,7 +191,7 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
   if (frames.size() < options.min_frames || frames.size() < solvable) return stop(AlignmentOutcome::too_few_frames);
   for (std::size_t k = 1; k < frames.size(); ++k) {
     if (frames[k].imu == nullptr || !(frames[k].imu->increment().duration > S(0)) ||
-        !frames[k].imu->increment().covariance.allFinite())
+        !all_finite(frames[k].imu->increment().covariance))
       return stop(AlignmentOutcome::no_imu_data);
   }
   const SE3<double> T_body_camera = T_body_cam.template cast<double>();

@@ -13,6 +13,7 @@
 /// Not valid where the line passes the camera centre within 2 cm (its image turns into a point) or where what was
 /// observed would be behind the camera.
 
+#include <cmath>
 #include <concepts>
 
 #include "plumbline/camera/camera_model.hpp"
@@ -101,8 +102,12 @@ LineObservation<typename Camera::Scalar> observe_line(const Camera& camera,
   const Vec<S, 3> mh = m / m_norm;
   out.reprojection.bearing_start = start.bearing;
   out.reprojection.bearing_end = end.bearing;
-  out.reprojection.px_per_rad << S(1) / (bearing_jacobian(at_start.J_uv_p).transpose() * mh).norm(),
-      S(1) / (bearing_jacobian(at_end.J_uv_p).transpose() * mh).norm();  // (10)
+  const Mat<S, 1, 3> across(mh[0], mh[1], mh[2]);
+  const auto px_per_rad = [&](const Mat<S, 2, 3>& J_uv_bearing) {
+    const Mat<S, 1, 2> rad_per_px = product(across, bearing_jacobian(J_uv_bearing));
+    return S(1) / std::hypot(rad_per_px[0], rad_per_px[1]);
+  };
+  out.reprojection.px_per_rad << px_per_rad(at_start.J_uv_p), px_per_rad(at_end.J_uv_p);  // (10)
   return out;
 }
 

@@ -44,10 +44,12 @@ struct WorldLine {
     if (!out.valid) return out;
     const Mat<S, 3, 3> A = view.R_cam_body * view.R_body_world;
     const Vec<S, 3> t = A * view.p_world_body + view.R_cam_body * view.p_body_cam;
-    const Mat<S, dim, 3> by_direction = lin.J_r_v - lin.J_r_n * hat(t);
+    Mat<S, dim, 3> by_direction = product(lin.J_r_n, hat(-t));
+    by_direction += lin.J_r_v;
     out.r = lin.r;
     out.J_r_pose = line_pose_jacobian(lin, in_cam, view.R_cam_body, view.p_body_cam);
-    out.J_r_line << lin.J_r_n * A, by_direction * A;  // (17)
+    set_block(out.J_r_line, 0, 0, product(lin.J_r_n, A));  // (17)
+    set_block(out.J_r_line, 0, 3, product(by_direction, A));
     return out;
   }
 };

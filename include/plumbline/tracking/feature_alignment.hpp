@@ -53,10 +53,15 @@ Mat<float, 2, 2> affine_warp(const Camera& camera_ref, const Camera& camera_cur,
   const Projection<S> current = camera_cur.project(T_cur_ref * Vec<S, 3>(range * bearing_ref));
   const S n_dot_b = n_ref.dot(bearing_ref);
   if (!reference.valid || !current.valid || n_dot_b == S(0)) return Mat<float, 2, 2>::Zero();
-  const Mat<S, 3, 3> along_surface = Mat<S, 3, 3>::Identity() - bearing_ref * (n_ref.transpose() / n_dot_b);
-  const Mat<S, 3, 2> J_p_uv = range * along_surface * bearing_jacobian(reference.J_uv_p);  // (6)
-  const Mat<S, 2, 2> A_cur_ref = current.J_uv_p * (T_cur_ref.R() * J_p_uv);                // (7)
-  return A_cur_ref.template cast<float>();
+  const Mat<S, 3, 2> J_b_uv = bearing_jacobian(reference.J_uv_p);
+  Mat<float, 2, 2> A_cur_ref;
+  for (int k = 0; k < 2; ++k) {
+    const Vec<S, 3> db = block<3, 1>(J_b_uv, 0, k);
+    const Vec<S, 3> dp = range * (db - (n_ref.dot(db) / n_dot_b) * bearing_ref);             // (6)
+    const Vec<S, 2> column = product(current.J_uv_p, Vec<S, 3>(T_cur_ref.rotation() * dp));  // (7)
+    for (int i = 0; i < 2; ++i) A_cur_ref(i, k) = float(column[i]);
+  }
+  return A_cur_ref;
 }
 
 /// The same for an unknown normal: a surface of constant range, n = b.

@@ -92,7 +92,8 @@ class RotationAligner {
         Sample& sample = samples_[static_cast<std::size_t>(count_++)];
         sample.bearing = b;
         sample.intensity = image(x, y);
-        sample.J = (-g.transpose().template cast<S>() * projection.J_uv_p * hat(b)).template cast<float>();  // (13)
+        const Mat<S, 1, 2> minus_g(S(-g.x()), S(-g.y()));
+        sample.J = product(product(minus_g, projection.J_uv_p), hat(b)).template cast<float>();  // (13)
       }
     }
   }
