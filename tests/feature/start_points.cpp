@@ -23,7 +23,8 @@ TEMPLATE_TEST_CASE("start_points: are found until the start ends, and again afte
   rig.vision.height = SimulatedRgbd::height;
   const auto pyramid = std::make_unique<RigPyramid<Sensors>>();
   REQUIRE(pyramid->build(room.frames[0].gray.view()));
-  const View<Sensors> view{rig, *pyramid, *pyramid, {}, SE3<S>(), {rig.vision.camera, rig.vision.height, S(0), {}}};
+  const View<Sensors> view{rig, *pyramid, *pyramid,
+                           {},  SE3<S>(), {rig.vision.camera, rig.vision.height, S(0), Vec<S, 3>::Zero()}};
   typename Map::Window window;
   const int slot = window.insert(0, SE3<S>());
   const auto map = std::make_unique<Map>(PointOptions{});
