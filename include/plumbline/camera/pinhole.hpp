@@ -45,13 +45,12 @@ struct Pinhole {
     const Vec<S, 2> m(p_cam.x() * iz, p_cam.y() * iz);
     const auto distorted = distortion.distort(m);
     out.valid = distorted.valid;
-    out.uv << fx * distorted.m.x() + cx, fy * distorted.m.y() + cy;  // (1)
-    Mat<S, 2, 3> J_m_p;
-    J_m_p << iz, S(0), -m.x() * iz, S(0), iz, -m.y() * iz;
-    out.J_uv_p = product(distorted.J, J_m_p);  // (2)
-    for (int k = 0; k < 3; ++k) {
-      out.J_uv_p(0, k) *= fx;
-      out.J_uv_p(1, k) *= fy;
+    out.uv = Vec<S, 2>(fx * distorted.m.x() + cx, fy * distorted.m.y() + cy);  // (1)
+    for (int r = 0; r < 2; ++r) {                                              // (2)
+      const S scale = (r == 0 ? fx : fy) * iz, J_0 = scale * distorted.J(r, 0), J_1 = scale * distorted.J(r, 1);
+      out.J_uv_p(r, 0) = J_0;
+      out.J_uv_p(r, 1) = J_1;
+      out.J_uv_p(r, 2) = -(J_0 * m.x() + J_1 * m.y());
     }
     return out;
   }
