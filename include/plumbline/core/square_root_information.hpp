@@ -1,8 +1,8 @@
 #pragma once
 /// L, lower triangular, with L^T L = covariance^-1: r -> L r has unit covariance.               docs/math/imu.md
 ///
-///   covariance = C C^T,  L = C^-1.   Loops over fixed sizes: nothing for a heap, unlike Eigen's blocked
-///   decompositions.
+///   covariance = C C^T,  L = C^-1
+/// Loops over fixed sizes: nothing for a heap, unlike Eigen's blocked decompositions.
 
 #include <cmath>
 #include <limits>

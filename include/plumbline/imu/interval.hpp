@@ -1,8 +1,8 @@
 #pragma once
 /// Inertial readings from one time to the next: the unit that is integrated.                    docs/math/imu.md
 ///
-/// Readings run linearly from begin to end. Two neighbours with means w_1, a_1 and w_2, a_2, turning by th_k = dt_k
-/// w_k, become one that keeps rotation and velocity to second order in the angle, u_k = dt_k/(dt_1 + dt_2):
+/// Readings run linearly from begin to end. Two neighbours with means w_1, a_1 and w_2, a_2 become one that keeps
+/// rotation and velocity to second order in the angle, with th_k = dt_k w_k and u_k = dt_k/(dt_1 + dt_2):
 ///   w = u_1 w_1 + u_2 w_2 + u_1 dt_2 (w_1 x w_2)/2                                            (coning)
 ///   a = u_1 a_1 + u_2 a_2 + u_1 th_1 x a_1/2 + u_2 (th_1 + th_2/2) x a_2 - (th_1 + th_2) x a_end/2     (sculling)
 ///   begin, end = mean -+ (mean_2 - mean_1)                                                                    (2)

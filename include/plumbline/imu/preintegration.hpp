@@ -2,8 +2,8 @@
 /// An increment that can be integrated again about other biases: it keeps its readings.         docs/math/imu.md
 ///
 /// Room is bounded. When it is full, neighbouring intervals are merged two by two (interval.hpp (2)): the increment
-/// stays as it is, and a later re-integration takes steps twice as long. 128 intervals are 0.64 s at 200 Hz, then 1.28
-/// s in steps of 10 ms, and so on.
+/// stays as it is, and a later re-integration takes steps twice as long. 128 intervals are 0.64 s at 200 Hz,
+/// then 1.28 s in steps of 10 ms, and so on.
 
 #include <concepts>
 #include <cstddef>

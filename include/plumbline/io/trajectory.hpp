@@ -54,9 +54,9 @@ inline std::vector<TimeNs> kitti_times(const std::filesystem::path& poses_file) 
 }  // namespace detail
 
 /// Reads a trajectory; the format is recognized by its rows:
-///   12 columns            KITTI poses; times from times.txt beside the file when it has as many rows, else 0 s, 1 s
-///   ... commas, 8 or more     EuRoC ground truth: t [ns], p, q (w x y z), anything 8 columns             TUM: t [s],
-///   p, q (x y z w)
+///   12 columns         KITTI poses; times from times.txt beside the file when it has as many rows, else 0 s, 1 s ...
+///   commas, 8 or more  EuRoC ground truth: t [ns], p, q (w x y z), anything
+///   8 columns          TUM: t [s], p, q (x y z w)
 /// Times must not decrease; of rows with the same time the last one counts. Throws ReadError.
 inline Trajectory read_trajectory(const std::filesystem::path& file) {
   Trajectory out;

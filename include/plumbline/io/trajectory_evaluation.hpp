@@ -1,6 +1,5 @@
 #pragma once
-/// The whole comparison of an estimated trajectory with the true one.                     docs/datasets.md,
-/// "Evaluation"
+/// The whole comparison of an estimated trajectory with the true one.              docs/datasets.md, "Evaluation"
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 ///   reprojection   r = uv(P~) - uv_measured                          2x1 [px]                                (5)
 ///                  J_r_<block> = J_uv_p(P~) dP~/d<block>             2x6, 2x6, 2x1
 ///   inverse depth  r = lambda / P~_z - 1/z_measured                  1x1 [1/m]                               (6)
-///                  J_r_<block> = -(lambda/P~_z^2) e3^T dP~/d<block>  1x6, 1x6;  d/dlambda = 1/P~_z - (lambda/P~_z^2)
-///                  t_z
+///                  J_r_<block> = -(lambda/P~_z^2) e3^T dP~/d<block>  1x6, 1x6
+///                  J_r_lambda  = 1/P~_z - (lambda/P~_z^2) t_z        1x1
 /// Sigma of (6) is constant for a disparity sensor (1/z is linear in the disparity).
 
 #include <concepts>

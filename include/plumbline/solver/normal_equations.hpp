@@ -4,8 +4,8 @@
 ///   H = sum w J^T J,  b = sum w J^T r,  cost = 1/2 sum rho                                                    (6)
 ///   (H + mu clip(diag H, 1e-6, 1e6)) d = -b                                                                   (7)
 ///   predicted decrease = -d.b - 1/2 d.H d = 1/2 (mu d.D d - d.b)  of the step (7), D the clipped diagonal     (8)
-/// J and r are whitened; w = rho' of the robust kernel. Of H only the LOWER triangle holds values: blocks (i, j), i >
-/// j, and the diagonal blocks. S is double in practice, even when the Jacobians are float.
+/// J and r are whitened; w = rho' of the robust kernel. Of H only the LOWER triangle holds values: the diagonal blocks
+/// and blocks (i, j), i > j. S is double in practice, even when the Jacobians are float.
 ///
 /// A Jacobian may have fewer than BlockDim columns: it then belongs to the LEADING parameters of its block (a camera
 /// sees the pose of a block [pose, velocity, biases]).

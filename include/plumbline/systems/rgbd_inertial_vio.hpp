@@ -13,12 +13,10 @@
 ///   - Points are landmarks, inverse ranges in their anchors, observed by pixel and inverse depth, each with its noise.
 ///     The paper compares the 3D points of two frames with each other.
 ///   - Flow is corrected by alignment with the anchor's pixels. Outliers are what does not fit a pose, not a
-///   fundamental
-///     matrix, which depth makes unnecessary.
+///     fundamental matrix, which depth makes unnecessary.
 ///   - Lines live in their anchor's camera, not in the world, and are observed by their depth, too.
 ///   - What a frame that is no keyframe saw is dropped, not marginalized, when it leaves the window; its IMU readings
-///   go
-///     on to the next one, as in the paper.
+///     go on to the next one, as in the paper.
 ///   - First-estimate Jacobians. The readout time of a rolling shutter is found out while running.
 
 #include <cstddef>

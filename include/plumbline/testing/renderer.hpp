@@ -1,9 +1,8 @@
 #pragma once
 /// Images and depth of a scene for any central camera, by ray casting in tiles.
 ///
-/// In the camera frame a ray is t b with the unit bearing b of the pixel, and a rectangle with origin o, axes e_u, e_v
-/// and plane n . X = d is met where 1/t = w(b) = n . b / d at (u, v) = (A(b)/w, B(b)/w), with linear forms of the
-/// bearing
+/// In the camera frame a ray is t b with the unit bearing b of the pixel. A rectangle with origin o, axes e_u, e_v and
+/// plane n . X = d is met where 1/t = w(b) = n . b / d at (u, v) = (A(b)/w, B(b)/w), A and B linear in the bearing:
 ///   A(b) = (e_u - (e_u . o)/d n) . b,   B(b) = (e_v - (e_v . o)/d n) . b                                     (1)
 /// A ray hits when w > 0, 0 <= A <= width w and 0 <= B <= height w: five linear forms that are all positive.        (2)
 /// Their extrema over the bearings of a tile reject most rectangles for the whole tile. One ray at the pixel's centre

@@ -67,8 +67,8 @@ class Scene {
     add_rectangle(at, {(x0 + x1) / 2, y, (z0 + z1) / 2}, Vec<double, 3>::UnitY(), x1 - x0, z1 - z0, material, texel);
   }
 
-  /// The box [lo, hi] of the placement; the face towards +y has a material of its own. Faces that lie on the wall (y =
-  /// 0) or on the floor (z = 0) of the placement cannot be seen and are left out.
+  /// The box [lo, hi] of the placement; the face towards +y has a material of its own. Faces that lie on the wall
+  /// (y = 0) or on the floor (z = 0) of the placement cannot be seen and are left out.
   void add_box(const SE3<double>& at, const Vec<double, 3>& lo, const Vec<double, 3>& hi, const Material& sides,
                const Material& front, double front_texel = 0.004) {
     const Vec<double, 3> c = (lo + hi) / 2, size = hi - lo, h = size / 2;

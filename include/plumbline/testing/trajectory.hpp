@@ -2,11 +2,12 @@
 /// Smooth paths through the simulated scenes with exact derivatives.
 ///
 /// Position and yaw, pitch, roll are sums of sinusoids of the phase s(t), which rests for one second and then gains
-/// speed over another (C^5):   s(t) = T F((t - 1 s)/T),  F' = 126 x^5 - 420 x^6 + 540 x^7 - 315 x^8 + 70 x^9 on [0, 1],
-/// then 1   (1), or s = t for a camera shaken by hand. Derivatives are exact: second-order Taylor arithmetic (`Jet`).
+/// speed over another (C^5), or s = t for a camera shaken by hand:
+///   s(t) = T F((t - 1 s)/T),  F' = 126 x^5 - 420 x^6 + 540 x^7 - 315 x^8 + 70 x^9 on [0, 1], then 1              (1)
 ///   R_world_body = Rz(yaw) Ry(pitch) Rx(roll)                                                                    (2)
-///   w_body = [roll' - yaw' sin pitch; pitch' cos roll + yaw' cos pitch sin roll; -pitch' sin roll + yaw' cos pitch cos
-///   roll]
+///   w_body = [roll' - yaw' sin pitch;  pitch' cos roll + yaw' cos pitch sin roll;
+///             -pitch' sin roll + yaw' cos pitch cos roll]
+/// Derivatives are exact: second-order Taylor arithmetic (`Jet`).
 /// Body: x forward, y left, z up; world: z up, g = (0, 0, -9.81) m/s^2.
 
 #include <array>

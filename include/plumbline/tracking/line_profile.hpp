@@ -1,8 +1,8 @@
 #pragma once
 /// What an edge looks like across: intensities at fixed distances, averaged along the segment.  docs/math/line.md
 ///
-///   similarity = sum a b / sqrt(sum a^2 sum b^2)  of the profiles without their means: gain and bias do not matter
-///   (21)
+///   similarity = sum a b / sqrt(sum a^2 sum b^2)  of the profiles without their means                        (21)
+/// Gain and bias do not matter.
 
 #include <algorithm>
 #include <cmath>
