@@ -32,7 +32,7 @@ TEMPLATE_TEST_CASE("rolling_shutter: a turning camera's rows, brought to the mid
     const Projection<S> projected =
         cam.project(SO3<S>::exp(Vec<S, 3>(w * tau * readout)).inverse() * cam.unproject(still).bearing);
     CAPTURE(still.transpose(), seen.transpose(), w.transpose());
-    REQUIRE((projected.uv - seen).norm() < S(0.2));  // 400 deg/s, three steps
+    REQUIRE((projected.uv - seen).norm() < S(0.2));             // 400 deg/s, three steps
     REQUIRE((shutter.still(seen).uv - still).norm() < S(0.2));  // 400 deg/s, three steps
   }
 }

@@ -5,9 +5,9 @@
 #include "catch.hpp"
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/image/pyramid.hpp"
+#include "plumbline/lie/plus.hpp"
 #include "plumbline/testing/renderer.hpp"
 #include "plumbline/testing/scenes.hpp"
-#include "plumbline/lie/plus.hpp"
 #include "plumbline/testing/simulated_camera.hpp"
 #include "plumbline/testing/trajectory.hpp"
 
@@ -20,8 +20,9 @@ TEST_CASE("rotation_alignment: finds a turn of forty pixels, and says how well i
   testing::Image<float> gray(320, 240), depth(320, 240);
   const SE3<double> T_world_body = trajectory->at(3).T_world_body;
   // Body x forward, z up; camera z forward.
-  const SE3<double> T_body_cam(SO3<double>::from_matrix((Mat<double, 3, 3>() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished()),
-                               Vec<double, 3>::Zero());
+  const SE3<double> T_body_cam(
+      SO3<double>::from_matrix((Mat<double, 3, 3>() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished()),
+      Vec<double, 3>::Zero());
   using Pyr = Pyramid<4, 320 * 240>;
   const auto pyramid_at = [&](const SE3<double>& T_world_cam) {
     renderer.render(T_world_cam, gray.view(), depth.view());

@@ -13,8 +13,8 @@ namespace plumbline {
 template <class Pixel>
 struct ImageView {
   Pixel* data = nullptr;
-  int width = 0;            ///< [px]
-  int height = 0;           ///< [px]
+  int width = 0;              ///< [px]
+  int height = 0;             ///< [px]
   std::ptrdiff_t stride = 0;  ///< [px]
 
   bool empty() const { return data == nullptr || width <= 0 || height <= 0; }
@@ -33,11 +33,7 @@ struct ImageView {
     return x >= border && y >= border && x <= S(width - 1) - border && y <= S(height - 1) - border;
   }
 
-  operator ImageView<const Pixel>() const
-    requires(!std::is_const_v<Pixel>)
-  {
-    return {data, width, height, stride};
-  }
+  operator ImageView<const Pixel>() const requires(!std::is_const_v<Pixel>) { return {data, width, height, stride}; }
 };
 
 /// Bilinear interpolation at (x, y) [px]; the four neighbours must be inside.
@@ -48,7 +44,8 @@ S interpolate(const ImageView<Pixel>& image, S x, S y) {
   const S ax = x - S(x0), ay = y - S(y0);
   const Pixel* top = image.row(y0) + x0;
   const Pixel* bottom = top + image.stride;
-  return (S(1) - ay) * ((S(1) - ax) * S(top[0]) + ax * S(top[1])) + ay * ((S(1) - ax) * S(bottom[0]) + ax * S(bottom[1]));
+  return (S(1) - ay) * ((S(1) - ax) * S(top[0]) + ax * S(top[1])) +
+         ay * ((S(1) - ax) * S(bottom[0]) + ax * S(bottom[1]));
 }
 
 }  // namespace plumbline
