@@ -92,6 +92,7 @@ class VelocityChain {
         for (int n = 0; n < 3 && k < last; ++n) v[i] -= row[3 + n] * velocities_[std::size_t(k) + 1][n];
       }
       back_substitute(rows_of(k), 0, v);
+      if (!all_finite(v)) return false;
     }
     return all_finite(common_);
   }
