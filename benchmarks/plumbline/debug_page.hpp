@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "plumbline/core/time.hpp"
-#include "plumbline/estimator/health.hpp"
+#include "plumbline/state/health.hpp"
 #include "table.hpp"
 #include "truth_comparison.hpp"
 

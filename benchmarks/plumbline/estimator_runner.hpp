@@ -34,7 +34,7 @@ Sensors make_sensors(const plumbline::io::Calibration& calibration) {
   sensors.vision.width = camera.width;
   sensors.vision.height = camera.height;
   if constexpr (Sensors::has_depth) sensors.vision.depth.units_per_metre = static_cast<S>(calibration.depth_scale);
-  if (camera.readout_s) sensors.vision.readout = {static_cast<S>(*camera.readout_s), S(0)};
+  if (camera.readout_s) sensors.vision.readout.set({static_cast<S>(*camera.readout_s), S(0)});
   if constexpr (Sensors::has_imu) {
     sensors.imu.T_body_cam = calibration.T_body_camera.value();
     sensors.imu.limits = calibration.imu_limits;
@@ -77,10 +77,14 @@ class EstimatorRunner final : public Runner {
   std::vector<plumbline::Vec<double, 3>> landmarks() const override {
     std::vector<plumbline::Vec<double, 3>> points;
     const auto& window = estimator_->backend().window();
-    estimator_->features().for_each([&](const auto& map) {
-      for (const auto& landmark : map.landmarks()) {
-        if (landmark.located)
-          points.push_back(map.p_world(landmark, window, estimator_->rig().T_body_cam()).template cast<double>());
+    const auto& T_body_cam = estimator_->rig_state().T_body_cam();
+    estimator_->landmarks().for_each([&](const auto& store) {
+      using Kind = typename std::remove_cvref_t<decltype(store)>::Kind;
+      for (const auto& landmark : store.landmarks()) {
+        if (!landmark.located) continue;
+        const plumbline::Vec<S, 3> p_world =
+            window.T_world_body(landmark.anchor) * (T_body_cam * Kind::middle(landmark.geometry));
+        points.push_back(p_world.template cast<double>());
       }
     });
     return points;

@@ -14,7 +14,7 @@
 #include "plumbline/core/result.hpp"
 #include "plumbline/core/time.hpp"
 #include "plumbline/estimator/clock.hpp"
-#include "plumbline/estimator/health.hpp"
+#include "plumbline/state/health.hpp"
 #include "plumbline/imu/sample.hpp"
 #include "plumbline/io/calibration_data.hpp"
 #include "plumbline/lie/se3.hpp"

@@ -5,7 +5,7 @@
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
-#include "plumbline/estimator/health.hpp"
+#include "plumbline/state/health.hpp"
 #include "plumbline/lie/se3.hpp"
 
 namespace plumbline {

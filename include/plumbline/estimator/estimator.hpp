@@ -6,40 +6,151 @@
 ///   vio.add_imu({t_ns, gyro, accel});                   // rigs with an IMU: rad/s, m/s^2
 ///   Result<Estimate<float>> estimate = vio.add_frame({t_ns, gray, depth});
 ///
-/// One frame, front to back: predict, track, estimate, keyframe (detect, optimize, marginalize), publish.
-/// Same input, same output, bit for bit.
+/// One frame, front to back: see, predict, track, estimate, keyframe (detect, optimize, retire), publish; when tracking
+/// fails: coast, find again, begin anew. Same input, same output, bit for bit.
 
-#include <type_traits>
-
+#include "plumbline/core/result.hpp"
+#include "plumbline/estimator/beginning.hpp"
 #include "plumbline/estimator/clock.hpp"
-#include "plumbline/estimator/inertial_estimator.hpp"
-#include "plumbline/estimator/visual_estimator.hpp"
-#include "plumbline/sensor/rig.hpp"
+#include "plumbline/estimator/composition.hpp"
+#include "plumbline/estimator/estimate.hpp"
+#include "plumbline/estimator/odometry.hpp"
+#include "plumbline/estimator/options.hpp"
+#include "plumbline/map/no_map.hpp"
 
 namespace plumbline {
 
-namespace detail {
-template <bool has_imu>
-struct EstimatorOf {
-  template <class... Policies>
-  using Type = VisualEstimator<Policies...>;
-};
-template <>
-struct EstimatorOf<true> {
-  template <class... Policies>
-  using Type = InertialEstimator<Policies...>;
-};
-}  // namespace detail
-
-template <class Sensors, class FeatureSet, class BackendPolicy, Clock TimeSource = NoClock>
-class Estimator
-    : public detail::EstimatorOf<Sensors::has_imu>::template Type<Sensors, FeatureSet, BackendPolicy, TimeSource> {
+template <class Sensors, class FeatureSet, class BackendPolicy, Clock TimeSource = NoClock, class MapPolicy = Forgetful>
+class Estimator {
   static_assert(SensorRig<Sensors>, "plumbline: argument 1 must be a rig, e.g. Rig<Rgbd<Pinhole<float>>>");
-  using Base =
-      typename detail::EstimatorOf<Sensors::has_imu>::template Type<Sensors, FeatureSet, BackendPolicy, TimeSource>;
+  using Parts = Composition<Sensors, FeatureSet, BackendPolicy>;
+  using Map = typename MapPolicy::template Map<Sensors>;
+  using Core = Odometry<Parts, Map>;
+  using Covariance = typename Core::Covariance;
+  using Predicted = typename Core::Predicted;
+  using State = typename Core::State;
 
  public:
-  using Base::Base;
+  using S = typename Sensors::Scalar;
+  using Frame = typename Sensors::Frame;
+  using Landmarks = typename Core::Landmarks;
+  using Backend = typename Core::Backend;
+  using Options = typename Core::Options;
+
+  explicit Estimator(const Sensors& rig, const Options& options = {}) : core_(rig, options), beginning_(options.start) {}
+
+  /// One reading, before the frame that comes after it. Between two frames the order does not matter. Errors as in
+  /// ImuBuffer.
+  Result<typename ImuBuffer<>::Accepted> add_imu(const ImuSample& sample) requires Sensors::has_imu {
+    const State latest = core_.window().latest();
+    return core_.motion.imu().add(sample, beginning_.has_first_view() ? &latest : nullptr);
+  }
+
+  /// Uses one frame; its pixels are not needed after the call. An error leaves the estimator as it was.
+  Result<Estimate<S>> add_frame(const Frame& frame) {
+    if (!ImagePair<Sensors>::has_right_size(core_.rig, frame)) return Error::wrong_image_size;
+    if (beginning_.has_first_view() && frame.t_ns <= latest().t_ns) return Error::late_sample;
+    const double begin = TimeSource::now();
+    if (!core_.images.see(frame)) return Error::wrong_image_size;
+    timing_ = {};
+    View<Sensors> view = core_.view_of(frame, !beginning_.has_first_view());
+    if (!beginning_.has_first_view()) {
+      beginning_.take_first_view(core_, view);
+    } else {
+      const Predicted predicted = core_.predict(view);
+      if (!beginning_.has_map()) {
+        beginning_.look_for_second_view(core_, view, predicted.state);
+      } else {
+        go_on(view, predicted, begin);
+      }
+    }
+    timing_.total = TimeSource::now() - begin;
+    return latest();
+  }
+
+  const Estimate<S>& latest() const { return core_.estimate; }
+  const FrameTiming& timing() const { return timing_; }
+  /// How far the start has come, or what keeps it.
+  const InitReport& init_report() const { return beginning_.report(); }
+
+  const Sensors& rig() const { return core_.rig; }
+  const Landmarks& landmarks() const { return core_.landmarks; }
+  const Backend& backend() const { return core_.backend; }
+  const Map& map() const { return core_.map; }
+  const RigState<Sensors>& rig_state() const { return core_.rig_state; }
+  const ImuBuffer<>& imu() const requires Sensors::has_imu { return core_.motion.imu().buffer(); }
+  /// Whether the body stands still, as image and IMU have it.
+  bool at_rest() const requires Sensors::has_imu { return core_.motion.at_rest(); }
+
+ private:
+  void go_on(const View<Sensors>& view, const Predicted& predicted, double begin) {
+    SE3<S> T = predicted.state.T_world_body;
+    core_.track(view, T);
+    timing_.track = TimeSource::now() - begin;
+    Covariance covariance;
+    const bool found = core_.find_pose(view, predicted, T, covariance);
+    timing_.estimate = TimeSource::now() - begin - timing_.track;
+    if (!found) {
+      recover(view, predicted.state);
+    } else {
+      const State x = core_.motion.update(predicted.state, T, view);
+      if (core_.motion.ties_frames()) {
+        core_.solve_with_window(view, x);
+      } else {
+        core_.solve_alone(view, x, covariance);
+        const bool worth_aligning = beginning_.gather(core_, view);
+        if (core_.needs_keyframe(view.t_ns)) core_.make_keyframe(view);
+        if (worth_aligning) beginning_.align(core_, view);
+      }
+      if (lost_frames_ > 0) core_.motion.lose();
+      lost_frames_ = 0;
+    }
+    timing_.map = TimeSource::now() - begin - timing_.track - timing_.estimate;
+  }
+
+  /// The images do not say where the frame is: the IMU bridges them, or the next ones are tried against the last good
+  /// one; then all begins anew.
+  void recover(const View<Sensors>& view, const State& predicted) {
+    core_.motion.lose();
+    if (core_.motion.carries_on()) return coast(view, predicted);
+    ++lost_frames_;
+    if (lost_frames_ <= beginning_.patience(core_.options.recovery.max_lost_frames)) {
+      core_.landmarks.for_each([](auto& store) { store.undo_frame(); });
+      core_.estimate.t_ns = view.t_ns;
+      core_.estimate.keyframe = false;
+      core_.estimate.tracked = 0;
+      core_.set_health(HealthState::lost, HealthReason::few_inliers);
+      return;
+    }
+    if (latest().health.state != HealthState::initializing) ++core_.estimate.resets;
+    lost_frames_ = 0;
+    beginning_.take_first_view(core_, view);
+  }
+
+  /// The motion model alone. Where the image shows enough its features are followed, and located as soon as there is
+  /// parallax; where it does not for long, what was seen before is out of sight.
+  void coast(const View<Sensors>& view, const State& x) {
+    const RecoveryOptions& options = core_.options.recovery;
+    core_.window().set_latest(x);
+    if (core_.seen_count() >= options.min_landmarks) {
+      core_.images.keep(view, x.T_world_body);
+      core_.front_ends.locate(view, core_.window(), core_.landmarks, x.T_world_body);
+    } else {
+      core_.landmarks.for_each([](auto& store) { store.undo_frame(); });
+      if (++lost_frames_ > options.max_blind_frames && core_.look_anew(view)) lost_frames_ = 0;
+    }
+    const Covariance covariance = core_.motion.covariance_grown(latest().covariance);
+    core_.publish(view.t_ns);
+    core_.estimate.covariance = covariance;
+    core_.estimate.tracked = 0;
+    const bool lost = !(core_.blind_s(view.t_ns) < options.max_coasting_s);
+    core_.set_health(lost ? HealthState::lost : HealthState::degraded, HealthReason::coasting);
+  }
+
+  Core core_;
+  Beginning<Core, typename Parts::Start> beginning_;
+  int lost_frames_ = 0;  ///< in a row whose image was of no use
+  FrameTiming timing_;
 };
 
 }  // namespace plumbline

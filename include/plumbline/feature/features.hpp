@@ -1,60 +1,84 @@
 #pragma once
 /// The feature kinds of an estimator as one type, e.g. Features<Points<180>, Lines<60>>: capacities are part of it.
 ///
-/// A kind names, for a rig and a number of keyframe slots, the map that keeps its landmarks (`Map<Sensors, Slots>`).
+/// An entry names its kind for a rig (`template <class Sensors> using Kind`), the capacity of its store, and under which
+/// name its options are reached (`Named`). The order counts: a kind may read the landmarks of those before it.
 
 #include <cstddef>
 #include <tuple>
 #include <utility>
 
+#include "plumbline/feature/landmark_store.hpp"
 #include "plumbline/sensor/rig.hpp"
 
 namespace plumbline {
 
-/// The maps of all kinds, visited in order.
-template <class... Maps>
-class FeatureMaps {
+/// The stores of all kinds, visited in order.
+template <class... Stores>
+class LandmarkSet {
  public:
-  using Options = std::tuple<typename Maps::Options...>;
-  /// Whether a kind tells which bearings of two views belong together: a camera without depth starts by them.
-  static constexpr bool relates_two_views = (requires { Maps::relates_two_views; } || ...);
+  static constexpr std::size_t kinds = sizeof...(Stores);
 
-  explicit FeatureMaps(const Options& options) : FeatureMaps(options, std::index_sequence_for<Maps...>()) {}
+  explicit LandmarkSet(const auto&... options) : stores_(options...) {}
 
   void for_each(auto&& visit) {
-    std::apply([&](Maps&... map) { (visit(map), ...); }, maps_);
+    std::apply([&](Stores&... store) { (visit(store), ...); }, stores_);
   }
   void for_each(auto&& visit) const {
-    std::apply([&](const Maps&... map) { (visit(map), ...); }, maps_);
+    std::apply([&](const Stores&... store) { (visit(store), ...); }, stores_);
   }
-  /// The sum of visit(map) over all kinds.
+  /// visit(store, part) with the part of a TupleOf that belongs to it.
+  void for_each_with(auto& tuple, auto&& visit) {
+    for_each_index([&]<std::size_t I>() { visit(std::get<I>(stores_), std::get<I>(tuple)); });
+  }
+  void for_each_with(auto& tuple, auto&& visit) const {
+    for_each_index([&]<std::size_t I>() { visit(std::get<I>(stores_), std::get<I>(tuple)); });
+  }
+  /// The sum of visit(store) over all kinds.
   auto sum(auto&& visit) const {
-    return std::apply([&](const Maps&... map) { return (visit(map) + ...); }, maps_);
+    return std::apply([&](const Stores&... store) { return (visit(store) + ...); }, stores_);
   }
 
-  template <class Map>
-  const Map& get() const {
-    return std::get<Map>(maps_);
+  /// The stores before the I-th, as constant references.
+  template <std::size_t I>
+  auto before() const {
+    return [&]<std::size_t... J>(std::index_sequence<J...>) {
+      return std::tie(std::get<J>(stores_)...);
+    }(std::make_index_sequence<I>{});
   }
 
-  /// A tuple of one X<Map> for each kind.
+  template <std::size_t I>
+  auto& get() {
+    return std::get<I>(stores_);
+  }
+  template <std::size_t I>
+  const auto& get() const {
+    return std::get<I>(stores_);
+  }
+
+  /// A tuple of one X<Store> for each kind.
   template <template <class> class X>
-  using TupleOf = std::tuple<X<Maps>...>;
+  using TupleOf = std::tuple<X<Stores>...>;
+
+  static void for_each_index(auto&& visit) {
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      (visit.template operator()<I>(), ...);
+    }(std::make_index_sequence<kinds>{});
+  }
 
  private:
-  /// Each map is built where it stays: one may be larger than a stack.
-  template <std::size_t... I>
-  FeatureMaps(const Options& options, std::index_sequence<I...>) : maps_(std::get<I>(options)...) {}
-
-  std::tuple<Maps...> maps_;
+  std::tuple<Stores...> stores_;
 };
 
-template <class... Kinds>
+template <class... Entries>
 struct Features {
-  static_assert(sizeof...(Kinds) > 0, "plumbline: an estimator needs a feature kind, e.g. Features<Points<180>>");
+  static_assert(sizeof...(Entries) > 0, "plumbline: an estimator needs a feature kind, e.g. Features<Points<180>>");
+
+  template <class Entry, SensorRig Sensors, int Slots>
+  using StoreOf = LandmarkStore<typename Entry::template Kind<Sensors>, Entry::capacity, Slots>;
 
   template <SensorRig Sensors, int Slots>
-  using Maps = FeatureMaps<typename Kinds::template Map<Sensors, Slots>...>;
+  using Landmarks = LandmarkSet<StoreOf<Entries, Sensors, Slots>...>;
 };
 
 }  // namespace plumbline

@@ -1,18 +1,27 @@
 #pragma once
-/// Feature kind: straight edges, at most N landmarks in the map. Detector finds new ones, e.g. opencv::LsdDetector<>.
+/// Feature kind: straight edges, at most N landmarks. Detector finds new ones, e.g. opencv::LsdDetector<>. Options:
+/// `options.lines`.
 
-#include "plumbline/feature/line_map.hpp"
+#include "plumbline/feature/line_kind.hpp"
 #include "plumbline/sensor/rig.hpp"
 #include "plumbline/tracking/line_detector.hpp"
 
 namespace plumbline {
 
-template <int N, LineDetector Detector = LineSegmentDetector<>>
+template <int N, LineDetector DetectorT = LineSegmentDetector<>>
 struct Lines {
   static_assert(N >= 8, "plumbline: fewer than eight lines carry no estimate");
+  static constexpr int capacity = N;
+  using Detector = DetectorT;
 
-  template <SensorRig Sensors, int Slots>
-  using Map = LineMap<Sensors, N, Slots, Detector>;
+  template <SensorRig Sensors>
+  using Kind = LineKind<Sensors>;
+
+  template <class Options>
+  struct Named {
+    Options lines;
+  };
+  static auto& options_of(auto& all) { return all.lines; }
 };
 
 }  // namespace plumbline

@@ -1,7 +1,7 @@
 #pragma once
-/// Feature kind: corner points, at most N landmarks in the map.
+/// Feature kind: corner points, at most N landmarks. Options: `options.points`.
 
-#include "plumbline/feature/point_map.hpp"
+#include "plumbline/feature/point_kind.hpp"
 #include "plumbline/sensor/rig.hpp"
 
 namespace plumbline {
@@ -9,9 +9,16 @@ namespace plumbline {
 template <int N>
 struct Points {
   static_assert(N >= 8, "plumbline: fewer than eight points carry no estimate");
+  static constexpr int capacity = N;
 
-  template <SensorRig Sensors, int Slots>
-  using Map = PointMap<Sensors, N, Slots>;
+  template <SensorRig Sensors>
+  using Kind = PointKind<Sensors>;
+
+  template <class Options>
+  struct Named {
+    Options points;
+  };
+  static auto& options_of(auto& all) { return all.points; }
 };
 
 }  // namespace plumbline

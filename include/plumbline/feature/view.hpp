@@ -1,13 +1,13 @@
 #pragma once
-/// What every feature kind is given of one frame: the images, where they were taken, and the keyframes.
+/// What front ends are given of one frame: the images, where they were taken, and what the sensor measured besides.
 
 #include <cstdint>
 
+#include "plumbline/core/time.hpp"
 #include "plumbline/image/image_view.hpp"
 #include "plumbline/image/pyramid.hpp"
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/sensor/rig.hpp"
-#include "plumbline/sensor/rolling_shutter.hpp"
 
 namespace plumbline {
 
@@ -17,12 +17,19 @@ using RigPyramid = Pyramid<4, decltype(Sensors::vision)::max_pixels>;
 
 template <SensorRig Sensors>
 struct View {
+  using S = typename Sensors::Scalar;
+
+  TimeNs t_ns;  ///< of the current frame
+  S dt;         ///< since the frame before [s]
   const Sensors& rig;
-  const RigPyramid<Sensors>& previous;  ///< of the last frame that was tracked
+  const RigPyramid<Sensors>& previous;  ///< of the last image that was kept
   const RigPyramid<Sensors>& current;
   ImageView<const std::uint16_t> depth;  ///< of the current frame; empty without a depth sensor or depth image
-  SE3<typename Sensors::Scalar> T_body_cam;
-  RollingShutter<typename Sensors::Camera> shutter;  ///< of the current frame
+  SE3<S> T_world_previous;               ///< of the body, when the previous image was taken
+  SE3<S> T_body_cam;
+  typename Sensors::Shutter::template Model<typename Sensors::Camera> shutter;  ///< of the current frame
+
+  const typename Sensors::Camera& camera() const { return rig.vision.camera; }
 };
 
 }  // namespace plumbline

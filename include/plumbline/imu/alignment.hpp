@@ -36,7 +36,6 @@ namespace plumbline {
 
 struct InertialAlignmentOptions {
   bool metric = false;  ///< translations of the camera poses are in metres
-  double gravity = standard_gravity<double>;
   double rotation_sigma = 2e-3;   ///< of a camera pose [rad]
   double position_sigma = 2e-3;   ///< of a camera pose, in units of the poses
   double accel_bias_sigma = 0.1;  ///< prior [m/s^2]
@@ -177,7 +176,8 @@ bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chai
 template <int MaxFrames, class P>
 InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const AlignmentFrame<P>> frames,
                                                                 const SE3<typename P::Scalar>& T_body_cam,
-                                                                const InertialAlignmentOptions& options = {}) {
+                                                                const InertialAlignmentOptions& options = {},
+                                                                double gravity = standard_gravity<double>) {
   using S = typename P::Scalar;
   using Unknowns = detail::AlignmentUnknowns;
   using Row = Mat<double, 1, Unknowns::count>;
@@ -224,7 +224,7 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
       const double weight = on_sphere / lambda;
       Row row = Row::Zero();
       for (int i = 0; i < 3; ++i) row[Unknowns::g + i] = weight * g[i] / g.norm();
-      row[Unknowns::lambda] = -weight * options.gravity;
+      row[Unknowns::lambda] = -weight * gravity;
       chain.add_common_row(row, 0);
     }
     for (std::size_t k = 1; k < frames.size(); ++k) {
@@ -237,7 +237,7 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
     lambda = std::abs(signed_lambda);
     if (round == free_rounds - 1) {
       out.gravity_norm = g.norm();
-      if (!(std::abs(out.gravity_norm - options.gravity) <= options.max_gravity_error * options.gravity))
+      if (!(std::abs(out.gravity_norm - gravity) <= options.max_gravity_error * gravity))
         return stop(AlignmentOutcome::gravity_implausible);
     }
   }
@@ -250,7 +250,7 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
   const auto variance = [&](int k) { return covariance(k, k); };
   const Mat<double, 3, 3> across = hat(g.normalized());  // |across dg| is the part of dg normal to g
   const Mat<double, 3, 3> tilt = product_transposed(product(across, block<3, 3>(covariance, 0, 0)), across);
-  out.gravity_sigma = std::sqrt(tilt.trace()) / (lambda * options.gravity);
+  out.gravity_sigma = std::sqrt(tilt.trace()) / (lambda * gravity);
   out.scale_sigma = std::sqrt(variance(Unknowns::lambda)) / lambda;
   constexpr int b = Unknowns::b_a;
   out.accel_bias_sigma = std::sqrt(std::max({variance(b), variance(b + 1), variance(b + 2)})) / lambda;

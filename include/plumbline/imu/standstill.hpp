@@ -29,7 +29,6 @@ struct StandstillOptions {
   double accel_spread = 0.2;   ///< [m/s^2]
   double gyro_bias = 0.2;      ///< largest that is believed [rad/s]
   double gravity_error = 0.5;  ///< largest | |mean a| - G | [m/s^2]
-  double gravity = standard_gravity<double>;
 };
 
 /// Whether at rest, or what speaks against it.
@@ -57,9 +56,10 @@ struct StandstillReport {
   bool at_rest() const { return verdict == StandstillVerdict::at_rest; }
 };
 
-/// The time up to t_end_ns.
+/// The time up to t_end_ns; `gravity` [m/s^2] is what the accelerometer of a body at rest shows.
 template <std::size_t Capacity>
-StandstillReport standstill(const ImuBuffer<Capacity>& buffer, TimeNs t_end_ns, const StandstillOptions& options = {}) {
+StandstillReport standstill(const ImuBuffer<Capacity>& buffer, TimeNs t_end_ns, const StandstillOptions& options = {},
+                            double gravity = standard_gravity<double>) {
   StandstillReport out;
   const TimeNs block_ns = static_cast<TimeNs>(options.block_s * 1e9);
   std::size_t i = buffer.first_after(t_end_ns - options.blocks * block_ns);
@@ -87,7 +87,7 @@ StandstillReport standstill(const ImuBuffer<Capacity>& buffer, TimeNs t_end_ns, 
   } else if (!(out.accel_spread <= options.accel_spread)) {
     out.verdict = StandstillVerdict::accelerating;
   } else if (!(out.mean_gyro.norm() <= options.gyro_bias) ||
-             !(std::abs(out.mean_accel.norm() - options.gravity) <= options.gravity_error)) {
+             !(std::abs(out.mean_accel.norm() - gravity) <= options.gravity_error)) {
     out.verdict = StandstillVerdict::implausible;
   } else {
     out.verdict = StandstillVerdict::at_rest;

@@ -34,19 +34,34 @@ struct InverseDepthReprojection {
   using S = Scalar;
   static constexpr int dim = 2;
   using Linearized = AnchoredLinearization<S, dim>;
+  /// By P~ alone. Rows that share P~ are chained to poses and lambda together, by RelativeView (3), (4).
+  struct ByPoint {
+    bool valid;
+    Vec<S, dim> r;
+    Mat<S, dim, 3> J_r_P;
+  };
 
   Vec<S, 2> uv_measured;
 
-  Linearized linearize(const Camera& camera, const RelativeView<S>& view, const Vec<S, 3>& bearing, S lambda) const {
-    const ScaledPoint<S> point = view.linearize(bearing, lambda);
-    const Projection<S> projection = camera.project(point.P);
-    Linearized out;
+  ByPoint linearize(const Camera& camera, const Vec<S, 3>& P) const {
+    const Projection<S> projection = camera.project(P);
+    ByPoint out;
     out.valid = projection.valid;
     if (!out.valid) return out;
     out.r = projection.uv - uv_measured;  // (5)
-    out.J_r_anchor = product(projection.J_uv_p, point.J_anchor);
-    out.J_r_target = product(projection.J_uv_p, point.J_target);
-    out.J_r_lambda = product(projection.J_uv_p, view.t_target_anchor());
+    out.J_r_P = projection.J_uv_p;
+    return out;
+  }
+  Linearized linearize(const Camera& camera, const RelativeView<S>& view, const Vec<S, 3>& bearing, S lambda) const {
+    const ScaledPoint<S> point = view.linearize(bearing, lambda);
+    const ByPoint lin = linearize(camera, point.P);
+    Linearized out;
+    out.valid = lin.valid;
+    if (!out.valid) return out;
+    out.r = lin.r;
+    out.J_r_anchor = product(lin.J_r_P, point.J_anchor);
+    out.J_r_target = product(lin.J_r_P, point.J_target);
+    out.J_r_lambda = product(lin.J_r_P, view.t_target_anchor());
     return out;
   }
 };
@@ -57,21 +72,36 @@ struct InverseDepthMeasurement {
   static constexpr int dim = 1;
   static constexpr S z_min = S(1e-3);  ///< of P~, relative to the anchor's range
   using Linearized = AnchoredLinearization<S, dim>;
+  /// By P~ alone, see InverseDepthReprojection, and by lambda beside it.
+  struct ByPoint {
+    bool valid;
+    Vec<S, dim> r;
+    Mat<S, dim, 3> J_r_P;
+    Vec<S, dim> J_r_lambda;  ///< P~ being held
+  };
 
   S inverse_depth_measured;  ///< 1/z [1/m]
 
+  ByPoint linearize(const Vec<S, 3>& P, S lambda) const {
+    ByPoint out;
+    out.valid = P.z() > z_min;
+    if (!out.valid) return out;
+    const S iz = S(1) / P.z();
+    out.r(0) = lambda * iz - inverse_depth_measured;  // (6)
+    out.J_r_P << S(0), S(0), -lambda * iz * iz;
+    out.J_r_lambda(0) = iz;
+    return out;
+  }
   Linearized linearize(const RelativeView<S>& view, const Vec<S, 3>& bearing, S lambda) const {
     const ScaledPoint<S> point = view.linearize(bearing, lambda);
+    const ByPoint lin = linearize(point.P, lambda);
     Linearized out;
-    out.valid = point.P.z() > z_min;
+    out.valid = lin.valid;
     if (!out.valid) return out;
-    const S iz = S(1) / point.P.z(), slope = -lambda * iz * iz;
-    out.r(0) = lambda * iz - inverse_depth_measured;  // (6)
-    for (int k = 0; k < 6; ++k) {
-      out.J_r_anchor(0, k) = slope * point.J_anchor(2, k);
-      out.J_r_target(0, k) = slope * point.J_target(2, k);
-    }
-    out.J_r_lambda(0) = iz + slope * view.t_target_anchor().z();
+    out.r = lin.r;
+    out.J_r_anchor = product(lin.J_r_P, point.J_anchor);
+    out.J_r_target = product(lin.J_r_P, point.J_target);
+    out.J_r_lambda(0) = lin.J_r_lambda(0) + lin.J_r_P(0, 2) * view.t_target_anchor().z();
     return out;
   }
 };

@@ -8,7 +8,7 @@
 namespace plumbline {
 
 struct Imu {
-  static constexpr int error_dim = 9;  ///< velocity and two biases beside the pose
+  static constexpr bool is_present = true;
 
   SE3<double> T_body_cam;           ///< camera to body coordinates
   ImuNoise noise;                   ///< as calibrated; the estimator inflates it, see FusionOptions

@@ -5,15 +5,17 @@
 #include <cstdint>
 
 #include "plumbline/camera/camera_model.hpp"
+#include "plumbline/core/present.hpp"
 #include "plumbline/core/time.hpp"
 #include "plumbline/image/image_view.hpp"
 #include "plumbline/sensor/rolling_shutter.hpp"
 
 namespace plumbline {
 
-template <CameraModel CameraT, std::size_t MaxPixels = 752 * 480>
+template <CameraModel CameraT, std::size_t MaxPixels = 752 * 480, class ShutterT = Global>
 struct Mono {
   using Camera = CameraT;
+  using Shutter = ShutterT;
   using Scalar = typename Camera::Scalar;
   static constexpr std::size_t max_pixels = MaxPixels;
   static constexpr bool has_depth = false;
@@ -25,9 +27,9 @@ struct Mono {
   };
 
   Camera camera;
-  int width = 0;              ///< [px] of every image
-  int height = 0;             ///< [px]
-  Readout<Scalar> readout{};  ///< a global shutter unless said
+  int width = 0;   ///< [px] of every image
+  int height = 0;  ///< [px]
+  [[no_unique_address]] Present<Readout<Scalar>, Shutter::rolls> readout{};
 };
 
 }  // namespace plumbline

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "plumbline/camera/camera_model.hpp"
+#include "plumbline/core/present.hpp"
 #include "plumbline/core/time.hpp"
 #include "plumbline/image/image_view.hpp"
 #include "plumbline/sensor/depth_sensor.hpp"
@@ -12,9 +13,11 @@
 
 namespace plumbline {
 
-template <CameraModel CameraT, std::size_t MaxPixels = 752 * 480>
+/// Most depth cameras roll and do not say how fast.
+template <CameraModel CameraT, std::size_t MaxPixels = 752 * 480, class ShutterT = Rolling>
 struct Rgbd {
   using Camera = CameraT;
+  using Shutter = ShutterT;
   using Scalar = typename Camera::Scalar;
   static constexpr std::size_t max_pixels = MaxPixels;
   static constexpr bool has_depth = true;
@@ -30,7 +33,7 @@ struct Rgbd {
   int width = 0;   ///< [px] of every image
   int height = 0;  ///< [px]
   DepthSensor<Scalar> depth;
-  Readout<Scalar> readout{Scalar(0), Scalar(0.02)};  ///< most depth cameras roll and do not say how fast
+  [[no_unique_address]] Present<Readout<Scalar>, Shutter::rolls> readout{{Scalar(0), Scalar(0.02)}};
 };
 
 }  // namespace plumbline

@@ -12,7 +12,7 @@ namespace plumbline {
 
 /// No inertial sensor: no state, no memory, no code. The body frame is the camera frame.
 struct NoImu {
-  static constexpr int error_dim = 0;
+  static constexpr bool is_present = false;
 };
 
 template <class Vision, class Inertial = NoImu>
@@ -20,9 +20,10 @@ struct Rig {
   using Scalar = typename Vision::Scalar;
   using Camera = typename Vision::Camera;
   using Frame = typename Vision::Frame;
-  static constexpr int state_dim = 6 + Inertial::error_dim;
-  static constexpr bool has_imu = Inertial::error_dim > 0;
+  using Shutter = typename Vision::Shutter;
+  static constexpr bool has_imu = Inertial::is_present;
   static constexpr bool has_depth = Vision::has_depth;
+  static constexpr bool rolls = Shutter::rolls;
 
   Vision vision;
   [[no_unique_address]] Inertial imu{};
@@ -43,13 +44,13 @@ concept VisionSensor = CameraModel<typename V::Camera> && requires(const V& visi
   { V::has_depth } -> std::convertible_to<bool>;
   { vision.width } -> std::convertible_to<int>;
   { vision.height } -> std::convertible_to<int>;
-  { vision.readout } -> std::convertible_to<Readout<typename V::Scalar>>;
+  { V::Shutter::rolls } -> std::convertible_to<bool>;
+  { vision.readout.get() } -> std::convertible_to<Readout<typename V::Scalar>>;
 };
 
 template <class R>
 concept SensorRig = requires(const R& rig) {
   requires VisionSensor<std::remove_cvref_t<decltype(rig.vision)>>;
-  { R::state_dim } -> std::convertible_to<int>;
   { R::has_imu } -> std::convertible_to<bool>;
   { rig.T_body_cam() } -> std::same_as<SE3<typename R::Scalar>>;
 };

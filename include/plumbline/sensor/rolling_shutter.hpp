@@ -15,8 +15,28 @@ namespace plumbline {
 /// Time between the first and the last row of an image, as far as it is known.
 template <class S>
 struct Readout {
-  S value_s = S(0);  ///< 0: a global shutter
+  S value_s = S(0);  ///< 0: all rows at once
   S sigma_s = S(0);  ///< 0: known; else the estimator finds it out
+};
+
+/// A pixel as the middle of the frame would have seen it.
+template <class S>
+struct StillPixel {
+  Vec<S, 2> uv;        ///< [px]
+  Vec<S, 2> uv_slope;  ///< d uv / d readout [px/s]
+};
+
+/// All rows at once: every pixel is that of the middle of the frame.
+template <CameraModel Camera>
+class GlobalShutter {
+ public:
+  using S = typename Camera::Scalar;
+
+  GlobalShutter(const Camera&, int /*height*/, S /*readout_s*/) {}
+  void set_angular_rate(const Vec<S, 3>&) {}
+  StillPixel<S> still(const Vec<S, 2>& uv) const { return {uv, Vec<S, 2>::Zero()}; }
+  Vec<S, 3> bearing_slope(const Vec<S, 2>&, const Vec<S, 3>&) const { return Vec<S, 3>::Zero(); }
+  Vec<S, 2> seen(const Vec<S, 2>& uv) const { return uv; }
 };
 
 template <CameraModel Camera>
@@ -24,21 +44,16 @@ class RollingShutter {
  public:
   using S = typename Camera::Scalar;
 
-  /// A pixel as the middle of the frame would have seen it.
-  struct Still {
-    Vec<S, 2> uv;        ///< [px]
-    Vec<S, 2> uv_slope;  ///< d uv / d readout [px/s]
-  };
+  /// The camera does not turn until its angular rate is set.
+  RollingShutter(const Camera& camera, int height, S readout_s)
+      : camera_(camera), height_(S(height)), readout_s_(readout_s) {}
 
-  /// The angular rate [rad/s] is the camera's, in its own coordinates.
-  RollingShutter(const Camera& camera, int height, S readout_s, const Vec<S, 3>& angular_rate)
-      : camera_(camera), height_(S(height)), readout_s_(readout_s), angular_rate_(angular_rate) {}
-
+  /// [rad/s], the camera's, in its own coordinates.
   void set_angular_rate(const Vec<S, 3>& angular_rate) { angular_rate_ = angular_rate; }
 
   /// Where the middle of the frame would have seen what was seen at `uv`.
-  Still still(const Vec<S, 2>& uv) const {
-    Still out{uv, Vec<S, 2>::Zero()};
+  StillPixel<S> still(const Vec<S, 2>& uv) const {
+    StillPixel<S> out{uv, Vec<S, 2>::Zero()};
     const Unprojection<S> ray = camera_.unproject(uv);
     if (!ray.valid) return out;
     const S tau = row_time(uv);
@@ -76,7 +91,19 @@ class RollingShutter {
   const Camera& camera_;
   S height_;
   S readout_s_;
-  Vec<S, 3> angular_rate_;
+  Vec<S, 3> angular_rate_ = Vec<S, 3>::Zero();
+};
+
+/// Shutter policies of a vision sensor. A global shutter has no readout time, and landmarks nothing that depends on it.
+struct Global {
+  static constexpr bool rolls = false;
+  template <CameraModel Camera>
+  using Model = GlobalShutter<Camera>;
+};
+struct Rolling {
+  static constexpr bool rolls = true;
+  template <CameraModel Camera>
+  using Model = RollingShutter<Camera>;
 };
 
 }  // namespace plumbline

@@ -38,7 +38,8 @@ class Cholesky {
         subtract_products(i, j, at(i, j));
         divide(at(i, j), at(j, j), inverse_diagonal + j * width);
       }
-      const Tile original = at(i, i);
+      Part original;
+      for (int c = 0; c < width; ++c) original[c] = at(i, i)[c][c];
       subtract_products(i, i, at(i, i));
       if (!factorize(at(i, i), original, inverse_diagonal + i * width)) return false;
     }
@@ -115,14 +116,15 @@ class Cholesky {
 
   /// T -= sum_k L_ik L_jk^T, k < j
   void subtract_products(int i, int j, Tile& T) const {
-    Tile sum = T;
+    Tile sum;  // column by column: GCC 12 takes a copy of the whole for one beyond its end
+    for (int c = 0; c < width; ++c) sum[c] = T[c];
     for (int k = first_[i] > first_[j] ? first_[i] : first_[j]; k < j; ++k) {
       const Tile &A = at(i, k), &B = at(j, k);
       for (int c = 0; c < width; ++c) {
         for (int n = 0; n < width; ++n) sum[c] -= B[n][c] * A[n];
       }
     }
-    T = sum;
+    for (int c = 0; c < width; ++c) T[c] = sum[c];
   }
   /// T <- T L^-T
   static void divide(Tile& T, const Tile& L, const S* inverse_diagonal) {
@@ -131,13 +133,13 @@ class Cholesky {
       T[c] *= inverse_diagonal[c];
     }
   }
-  /// T <- its factor. A pivot that is rounding of the diagonal it came from, that of `original`, does not count.
-  bool factorize(Tile& T, const Tile& original, S* inverse_diagonal) const {
+  /// T <- its factor. A pivot that is rounding of the diagonal that it came from, `original`, does not count.
+  bool factorize(Tile& T, const Part& original, S* inverse_diagonal) const {
     const S tolerance = S(dim_) * std::numeric_limits<S>::epsilon();
     for (int c = 0; c < width; ++c) {
       for (int k = 0; k < c; ++k) T[c] -= T[k][c] * T[k];
       const S pivot = T[c][c];
-      if (!(pivot > tolerance * original[c][c]) || !(pivot <= std::numeric_limits<S>::max())) return false;
+      if (!(pivot > tolerance * original[c]) || !(pivot <= std::numeric_limits<S>::max())) return false;
       inverse_diagonal[c] = S(1) / std::sqrt(pivot);
       T[c] *= inverse_diagonal[c];
     }

@@ -1,7 +1,0 @@
-#include "plumbline/feature/points.hpp"
-#include "plumbline/sensor/imu.hpp"
-#include "window.hpp"
-
-std::unique_ptr<Runner> make_mono_imu_points_window(const pl::io::Calibration& calibration) {
-  return make_window<pl::Rig<MonoCamera, pl::Imu>, pl::Points<400>>(calibration);
-}

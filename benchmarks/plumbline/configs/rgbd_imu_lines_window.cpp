@@ -1,7 +1,0 @@
-#include "plumbline/feature/lines.hpp"
-#include "plumbline/sensor/imu.hpp"
-#include "window.hpp"
-
-std::unique_ptr<Runner> make_rgbd_imu_lines_window(const pl::io::Calibration& calibration) {
-  return make_window<pl::Rig<RgbdCamera, pl::Imu>, pl::Lines<160>>(calibration);
-}

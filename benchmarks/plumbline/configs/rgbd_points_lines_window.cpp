@@ -1,7 +1,0 @@
-#include "plumbline/feature/lines.hpp"
-#include "plumbline/feature/points.hpp"
-#include "window.hpp"
-
-std::unique_ptr<Runner> make_rgbd_points_lines_window(const pl::io::Calibration& calibration) {
-  return make_window<pl::Rig<RgbdCamera>, pl::Points<400>, pl::Lines<100>>(calibration);
-}

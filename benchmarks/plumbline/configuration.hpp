@@ -1,0 +1,32 @@
+#pragma once
+/// The types that configurations.cmake names: the largest image, the camera model chosen at run time, and what features
+/// stand for with certain sensors.
+
+#include <type_traits>
+
+#include "plumbline/camera/any_camera.hpp"
+#include "plumbline/feature/features.hpp"
+#include "plumbline/feature/lines.hpp"
+#include "plumbline/feature/points.hpp"
+#include "plumbline/feature/start_points.hpp"
+#include "plumbline/sensor/imu.hpp"
+#include "plumbline/sensor/mono.hpp"
+#include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/sensor/rig.hpp"
+#include "runner.hpp"
+
+namespace pl = plumbline;
+
+inline constexpr std::size_t megapixel = 1280 * 800;  ///< the largest image
+using MonoCamera = pl::Mono<pl::AnyCamera<double>, megapixel, pl::Rolling>;  // the calibration says how fast, if at all
+using RgbdCamera = pl::Rgbd<pl::AnyCamera<double>, megapixel>;
+
+/// A camera without depth starts by points.
+template <class Sensors>
+using LinesAlone = std::conditional_t<Sensors::has_depth, pl::Features<pl::Lines<160>>,
+                                      pl::Features<pl::StartPoints<200>, pl::Lines<100>>>;
+
+template <class Sensors>
+constexpr Needs needs_of() {
+  return {.depth = Sensors::has_depth, .imu = Sensors::has_imu};
+}

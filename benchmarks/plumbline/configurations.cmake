@@ -1,0 +1,21 @@
+# The configurations of the program: the product of these three lists. Each entry is a name and the C++ type that it stands
+# for (configuration.hpp); features may depend on the sensors. A sensor combination, a set of features or a backend is one
+# line here, and nothing else.
+
+set(plumbline_sensors
+  "mono     = pl::Rig<MonoCamera>"
+  "mono-imu = pl::Rig<MonoCamera, pl::Imu>"
+  "rgbd     = pl::Rig<RgbdCamera>"
+  "rgbd-imu = pl::Rig<RgbdCamera, pl::Imu>")
+
+set(plumbline_features
+  "points       = pl::Features<pl::Points<400>>"
+  "lines        = LinesAlone<Sensors>"
+  "points+lines = pl::Features<pl::Points<400>, pl::Lines<100>>")
+
+set(plumbline_backends
+  "window = pl::SlidingWindow<10>")
+
+# Published systems by their names.
+set(plumbline_systems
+  "rgbd-inertial-vio = rgbd-imu/points+lines/window")

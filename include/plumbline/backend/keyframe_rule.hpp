@@ -1,0 +1,73 @@
+#pragma once
+/// When a frame is a keyframe, and which one goes when there is no more room.
+
+#include <cmath>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/lie/plus.hpp"
+#include "plumbline/sensor/rig.hpp"
+#include "plumbline/state/frame_state.hpp"
+
+namespace plumbline {
+
+struct KeyframeOptions {
+  double min_tracked_ratio = 0.5;  ///< of the landmarks in sight after the last keyframe
+  double max_motion_px = 80;       ///< mean motion of the landmarks since the last keyframe
+};
+
+/// A camera without depth locates its landmarks by keyframes, and velocities and biases want them close; depth alone
+/// drifts with every keyframe.
+template <SensorRig Sensors>
+constexpr KeyframeOptions default_keyframes() {
+  if (!Sensors::has_depth) return {0.7, 30};
+  return {0.5, Sensors::has_imu ? 50.0 : 80.0};
+}
+
+/// By parallax and overlap.
+class KeyframeRule {
+ public:
+  explicit KeyframeRule(const KeyframeOptions& options) : options_(options) {}
+
+  /// `tracked` of the landmarks, after the last keyframe there were `tracked_then`; they moved by motion_px since.
+  bool is_keyframe(int tracked, int tracked_then, double motion_px) const {
+    return tracked < options_.min_tracked_ratio * tracked_then || motion_px > options_.max_motion_px;
+  }
+
+  /// The slot of the keyframe that goes. In a chain of links frames go in order of time, so that it stays whole; others
+  /// by what the rest replaces best: far from the newest, near to the others, distances in units of the scene's depth and
+  /// of the field of view, and never one of the two newest.
+  template <class Window>
+  static int leaving(const Window& window, typename Window::Scalar mean_depth, bool in_chain) {
+    return in_chain ? window.oldest() : most_redundant(window, mean_depth);
+  }
+
+ private:
+  template <class Window>
+  static int most_redundant(const Window& window, typename Window::Scalar mean_depth) {
+    using S = typename Window::Scalar;
+    const auto distance = [&](int a, int b) {
+      const Vec<S, 6> d = minus(window.T_world_body(a), window.T_world_body(b));
+      return d.template head<3>().norm() + d.template tail<3>().norm() / mean_depth;
+    };
+    const int newest = window.newest(), second = window.before(window[newest].sequence);
+    int worst = -1;
+    S worst_score = S(-1);
+    for (int k = 0; k < Window::slots; ++k) {
+      if (!window[k].used || k == newest || k == second) continue;
+      S crowd = S(0);
+      for (int j = 0; j < Window::slots; ++j) {
+        if (window[j].used && j != k) crowd += S(1) / (S(0.02) + distance(k, j));
+      }
+      const S score = std::sqrt(distance(k, newest)) * crowd;
+      if (score > worst_score) {
+        worst_score = score;
+        worst = k;
+      }
+    }
+    return worst;
+  }
+
+  KeyframeOptions options_;
+};
+
+}  // namespace plumbline

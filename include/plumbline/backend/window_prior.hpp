@@ -1,0 +1,117 @@
+#pragma once
+/// What is known of the frames of a window besides their rows: r0 + J0 e, e the corrections of all of them, by slot.
+///                                                                                            docs/math/window.md
+/// The prior keeps columns for every slot; those of free slots, and of frames that it knows nothing of, are zero.
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/feature/window_views.hpp"
+#include "plumbline/solver/marginalization.hpp"
+#include "plumbline/solver/normal_equations.hpp"
+#include "plumbline/state/layout.hpp"
+
+namespace plumbline {
+
+/// `max_rows`, `max_columns`: of one landmark of any kind.
+template <class Window, int max_rows, int max_columns>
+class WindowPrior {
+ public:
+  static constexpr int frame_dim = Window::Layout::dim, dim = Window::slots * frame_dim;
+  using Vector = Vec<double, dim>;
+
+  WindowPrior() { H_.resize(dim, dim); }
+
+  /// Rows J on one frame alone, which is its own first estimate; nothing else is known.
+  template <int Rows>
+  void set(Window& window, int slot, const Mat<double, Rows, frame_dim>& J) {
+    prior_.J0.resize(Rows, dim);
+    prior_.J0.setZero();
+    for (int c = 0; c < frame_dim; ++c) {
+      for (int k = 0; k < Rows; ++k) prior_.J0(k, slot * frame_dim + c) = J(k, c);
+    }
+    prior_.r0.setZero(Rows);
+    prior_.information(H_);
+    window.state(slot).fix_first_estimates();
+  }
+
+  double cost(const Window& window) const { return prior_.residual(corrections(window)).squaredNorm() / 2; }
+
+  /// The normal equations of the prior alone, of all slots.
+  template <class Equations>
+  void begin(const Window& window, Equations& equations) const {
+    equations.reset(Window::slots, H_);
+    equations.add_gradient(prior_.gradient(prior_.residual(corrections(window))));
+  }
+
+  // The frame in `slot` leaves: `begin_retirement`, then all rows that would be lost with it, then `retire`.
+
+  void begin_retirement(const Window& window) {
+    marginalizer_.reset(dim);
+    marginalizer_.add_rows(prior_.J0, prior_.r0);
+    e_ = corrections(window);
+  }
+
+  /// Rows of a link between two frames, at the current state.
+  template <class S, int Rows>
+  void add_link(int i, const Mat<S, Rows, frame_dim>& J_i, int j, const Mat<S, Rows, frame_dim>& J_j,
+                const Vec<S, Rows>& r) {
+    Vec<double, Rows> r0;
+    for (int k = 0; k < Rows; ++k) {  // the prior's residual belongs to e = 0
+      r0[k] = double(r[k]);
+      for (int c = 0; c < frame_dim; ++c) {
+        r0[k] -= double(J_i(k, c)) * e_[i * frame_dim + c] + double(J_j(k, c)) * e_[j * frame_dim + c];
+      }
+    }
+    marginalizer_.add_rows(J_i, i * frame_dim, J_j, j * frame_dim, r0);
+  }
+
+  /// Rows of one landmark, at the current state; it goes as well.
+  template <class Landmark, class Pairs>
+  void add_landmark(const Landmark& landmark, const Pairs& pairs) {
+    constexpr int columns = Landmark::landmark_dim;
+    static_assert(columns <= max_columns && Landmark::max_rows <= max_rows);
+    const int rows = landmark.rows();
+    work_.resize(rows, columns + dim + 1);
+    const int rank = landmark.reduced_rows(work_, pairs, frame_dim);
+    if (rows <= rank) return;
+    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_rows, 1> r(rows - rank);
+    for (int k = rank; k < rows; ++k) r[k - rank] = work_(k, columns + dim);
+    for (int c = 0; c < dim; ++c) {  // the prior's residual belongs to e = 0
+      for (int k = rank; k < rows; ++k) r[k - rank] -= work_(k, columns + c) * e_[c];
+    }
+    marginalizer_.add_rows(work_.block(rank, columns, rows - rank, dim), r);
+  }
+
+  void retire(Window& window, int slot) {
+    const int first = slot * frame_dim;
+    if (marginalizer_.marginalize(first, frame_dim, reduced_)) {
+      prior_.widen(reduced_, first, frame_dim);
+    } else {
+      prior_.forget(first, frame_dim);
+    }
+    prior_.information(H_);
+    window.remove(slot);
+    for (int k = 0; k < Window::slots; ++k) {
+      if (window[k].used && prior_.knows(k * frame_dim, frame_dim)) window.state(k).fix_first_estimates();
+    }
+  }
+
+ private:
+  static Vector corrections(const Window& window) {
+    Vector e;
+    e.setZero();
+    for (int k = 0; k < Window::slots; ++k) {
+      if (!window[k].used) continue;
+      const auto correction = window[k].state.correction();
+      for (int c = 0; c < frame_dim; ++c) e[k * frame_dim + c] = double(correction[c]);
+    }
+    return e;
+  }
+
+  Prior<dim> prior_, reduced_;
+  BoundedMatrix<double, dim, dim> H_;  ///< J0^T J0, which does not change until the next frame leaves
+  Marginalizer<dim, 64> marginalizer_;
+  Vector e_;
+  BoundedMatrix<double, max_rows, max_columns + dim + 1> work_;
+};
+
+}  // namespace plumbline

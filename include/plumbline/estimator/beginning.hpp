@@ -1,0 +1,207 @@
+#pragma once
+/// From nothing to a map and, with an IMU, to metres: drives a start (start/) with what the odometry sees.
+
+#include <cstdint>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/time.hpp"
+#include "plumbline/estimator/estimate.hpp"
+#include "plumbline/feature/view.hpp"
+#include "plumbline/solver/levenberg_marquardt.hpp"
+#include "plumbline/start/start_report.hpp"
+#include "plumbline/state/health.hpp"
+
+namespace plumbline {
+
+template <class Odometry, class StartT>
+class Beginning {
+ public:
+  using Start = StartT;
+  using Sensors = typename Odometry::Sensors;
+  using S = typename Odometry::S;
+  using State = typename Odometry::State;
+
+  explicit Beginning(const typename Start::Options& options) : start_(options) {}
+
+  const InitReport& report() const { return report_; }
+  bool has_first_view() const { return stage_ != Stage::nothing; }
+  bool has_map() const { return stage_ == Stage::map; }
+
+  /// Frames without a pose, after which all begins anew. Poses are aligned with readings in an unbroken series.
+  int patience(int max_lost_frames) const { return is_complete ? max_lost_frames : 0; }
+
+  /// The first keyframe of all.
+  void take_first_view(Odometry& odometry, const View<Sensors>& view) {
+    stage_ = Stage::nothing;
+    report_ = {.rejected = report_.rejected};
+    const int slot = odometry.begin_anew(view, odometry.motion.restart(odometry.window().latest()));
+    Estimate<S>& estimate = odometry.estimate;
+    estimate.t_ns = view.t_ns;
+    estimate.tracked = 0;
+    estimate.keyframe = false;
+    report_.features = odometry.seen_count();
+    const int usable = is_complete ? odometry.tracked_count() : report_.features;
+    if (usable < odometry.options.recovery.min_landmarks) {
+      wait(odometry, HealthReason::few_features, InitStage::few_features);
+      return;
+    }
+    first_view_ns_ = view.t_ns;
+    stage_ = Start::needs_second_view ? Stage::one_view : Stage::map;
+    if constexpr (is_complete) {
+      finish(view);
+      odometry.publish(view.t_ns);
+    } else {
+      wait(odometry, HealthReason::aligning, Start::needs_second_view ? InitStage::little_parallax : InitStage::aligning);
+    }
+    odometry.adopt_keyframe(view, slot);
+    begin_series(odometry, view);
+  }
+
+  /// Follows the corners of the first view until a second one sees them from far enough aside.
+  void look_for_second_view(Odometry& odometry, const View<Sensors>& view, const State& predicted) {
+    if constexpr (Start::needs_second_view) {
+      auto& start = start_.visual();
+      const SE3<S> T_world_first = odometry.window().T_world_body(odometry.keyframe());
+      State x = predicted;
+      x.T_world_body = SE3<S>(predicted.T_world_body.rotation(), T_world_first.p());
+      odometry.front_ends.follow(view, odometry.window(), odometry.landmarks, x.T_world_body);
+      odometry.window().set_latest(x);
+      odometry.images.keep(view, x.T_world_body);
+      odometry.estimate.t_ns = view.t_ns;
+      start.clear_pairs();
+      odometry.front_ends.for_each_pair(view, odometry.landmarks, odometry.keyframe(),
+                                        [&](const Vec<S, 3>& f1, const Vec<S, 3>& f2) { start.add_pair(f1, f2); });
+      odometry.landmarks.for_each([](auto& store) { store.prune(); });
+      report_.features = start.pairs();
+      wait(odometry, HealthReason::aligning, InitStage::little_parallax);
+      const double motion_px = odometry.motion_px();
+      const bool at_rest = is_at_rest(odometry, view.t_ns, motion_px);
+      if (start.has_expired(seconds_between(first_view_ns_, view.t_ns)) || (at_rest && has_crept(odometry, motion_px))) {
+        take_first_view(odometry, view);
+      }
+      if (at_rest) rest(odometry);
+      if (at_rest || first_view_ns_ == view.t_ns || !has_first_view()) return;
+      const SO3<S> R_world_first = T_world_first.rotation() * view.T_body_cam.rotation();
+      const SO3<S> R_2_1 = (x.T_world_body.rotation() * view.T_body_cam.rotation()).inverse() * R_world_first;
+      if (!start.solve(R_2_1, report_)) return;
+      x.T_world_body = T_world_first * view.T_body_cam * start.T_1_2() * view.T_body_cam.inverse();
+      odometry.window().set_latest(x);
+      odometry.front_ends.locate(view, odometry.window(), odometry.landmarks, x.T_world_body);
+      stage_ = Stage::map;
+      odometry.publish(view.t_ns);
+      odometry.make_keyframe(view);
+      if constexpr (is_complete) {
+        finish(view);
+      } else {
+        wait(odometry, HealthReason::aligning, InitStage::aligning);
+      }
+      begin_series(odometry, view);
+    }
+  }
+
+  /// One frame of a map that is not metric yet: a pose for the alignment. True when that is worth trying.
+  bool gather(Odometry& odometry, const View<Sensors>& view) {
+    if constexpr (is_complete) {
+      // Points that are there for the start alone go when the others carry the estimate.
+      if (odometry.lasting_count() >= 2 * odometry.options.recovery.min_landmarks) {
+        odometry.front_ends.end_start(odometry.landmarks);
+      }
+      return false;
+    } else {
+      wait(odometry, HealthReason::aligning, InitStage::aligning);
+      return start_.add(T_world_cam(odometry, view), odometry.motion.imu().since_frame());
+    }
+  }
+  /// Vision and IMU agree, perhaps: then the map becomes metric.
+  void align(Odometry& odometry, const View<Sensors>& view) {
+    if constexpr (!is_complete) {
+      const SE3<S>& T_body_cam = odometry.rig_state.T_body_cam();
+      if (!start_.align(T_body_cam, odometry.options.motion.gravity, report_)) return;
+      if (!odometry.estimate.keyframe) odometry.make_keyframe(view);
+      const State before = odometry.window().latest();
+      odometry.landmarks.for_each([&](auto& store) { store.rescale(start_.scale()); });
+      odometry.backend.restart(
+          [&](int slot) { return start_.state_of(odometry.window().T_world_body(slot), T_body_cam); },
+          start_.prior_on_biases());
+      LevenbergMarquardtOptions solver = odometry.options.backend.solver;
+      solver.max_iterations *= 2;
+      odometry.backend.optimize(odometry.rig, T_body_cam, odometry.landmarks, solver);
+      const State x = odometry.window().latest();
+      if (!start_.believes(x)) {
+        odometry.window().set_latest(before);
+        ++report_.rejected;
+        take_first_view(odometry, view);
+        report_.stage = InitStage::not_believed;
+        return;
+      }
+      odometry.motion.become_metric();
+      finish(view);
+      odometry.become_metric(view);
+    }
+  }
+
+ private:
+  enum class Stage : std::uint8_t { nothing, one_view, map };
+  /// Whether a map is all that is needed.
+  static constexpr bool is_complete = !Odometry::Motion::is_chain;
+
+  void wait(Odometry& odometry, HealthReason reason, InitStage stage) {
+    odometry.estimate.health = {odometry.estimate.resets > 0 ? HealthState::lost : HealthState::initializing, reason};
+    report_.stage = stage;
+  }
+  void finish(const View<Sensors>& view) {
+    report_.stage = InitStage::done;
+    report_.done_ns = view.t_ns;
+  }
+
+  static SE3<S> T_world_cam(const Odometry& odometry, const View<Sensors>& view) {
+    return odometry.window().latest().T_world_body * view.T_body_cam;
+  }
+  void begin_series(Odometry& odometry, const View<Sensors>& view) {
+    if constexpr (!is_complete) {
+      start_.clear();
+      start_.add(T_world_cam(odometry, view), odometry.motion.imu().since(odometry.window().latest()));
+    }
+  }
+
+  static bool is_at_rest(Odometry& odometry, TimeNs t_ns, double motion_px) {
+    if constexpr (is_complete) return false;
+    else return odometry.motion.look_for_rest(t_ns, motion_px);
+  }
+  /// Tracks creep by themselves: before that looks like motion, the first view is taken again.
+  static bool has_crept(const Odometry& odometry, double motion_px) {
+    if constexpr (is_complete) return false;
+    else return motion_px > odometry.options.motion.rest_motion_px;
+  }
+  /// Standing still before the start: all is known but the scale of what is seen. The world is the one that the window
+  /// will have, see InertialStart.
+  void rest(Odometry& odometry) {
+    if constexpr (!is_complete) {
+      const State known = odometry.motion.state_at_rest();
+      State x = odometry.window().latest();
+      x.bias_gyro = known.bias_gyro;
+      x.bias_accel = known.bias_accel;
+      odometry.window().set_latest(x);
+      Estimate<S>& estimate = odometry.estimate;
+      estimate.T_world_body = known.T_world_body;
+      estimate.v_world_body.setZero();
+      estimate.bias_gyro = known.bias_gyro;
+      estimate.bias_accel = known.bias_accel;
+      const auto& motion = odometry.options.motion;
+      const S tilt = S(start_.options().accel_bias_sigma / motion.gravity), position = S(motion.rest_position_sigma);
+      estimate.covariance.setZero();
+      for (int k = 0; k < 3; ++k) {
+        estimate.covariance(k, k) = tilt * tilt;
+        estimate.covariance(3 + k, 3 + k) = position * position;
+      }
+      odometry.set_health(HealthState::degraded, HealthReason::aligning);
+    }
+  }
+
+  Start start_;
+  Stage stage_ = Stage::nothing;
+  TimeNs first_view_ns_ = 0;
+  InitReport report_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,290 @@
+#pragma once
+/// What goes on in every frame once there is a map: predict, track, estimate, keyframe, publish. It has one of each of what
+/// an estimator is composed of, but for the start.
+
+#include <algorithm>
+#include <cmath>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/time.hpp"
+#include "plumbline/backend/keyframe_rule.hpp"
+#include "plumbline/estimator/composition.hpp"
+#include "plumbline/estimator/estimate.hpp"
+#include "plumbline/estimator/options.hpp"
+#include "plumbline/feature/motion_estimate.hpp"
+#include "plumbline/frontend/image_pair.hpp"
+#include "plumbline/state/rig_state.hpp"
+
+namespace plumbline {
+
+template <class Parts, class MapT>
+class Odometry {
+ public:
+  using Sensors = typename Parts::Sensors;
+  using S = typename Parts::S;
+  using Motion = typename Parts::Motion;
+  using State = typename Motion::State;
+  using Predicted = Prediction<State, S>;
+  using Landmarks = typename Parts::Landmarks;
+  using Backend = typename Parts::Backend;
+  using Window = typename Parts::Window;
+  using Options = EstimatorOptions<Parts>;
+  using Pose = MotionEstimate<Sensors, Landmarks>;
+  using Covariance = typename Pose::Covariance;
+
+  Odometry(const Sensors& sensors, const Options& opts)
+      : rig(sensors),
+        options(opts),
+        rig_state(sensors, opts.readout),
+        images(opts.rotation),
+        landmarks(Parts::FrontEnds::make_landmarks(opts)),
+        front_ends(opts),
+        motion(sensors, opts.motion),
+        backend(opts.backend, opts.motion),
+        pose_(opts.pose),
+        rule_(opts.keyframe) {}
+
+  const Sensors rig;
+  const Options options;
+  RigState<Sensors> rig_state;
+  ImagePair<Sensors> images;
+  Landmarks landmarks;
+  typename Parts::FrontEnds front_ends;
+  Motion motion;
+  Backend backend;
+  [[no_unique_address]] MapT map;
+  Estimate<S> estimate;
+
+  Window& window() { return backend.window(); }
+  const Window& window() const { return backend.window(); }
+
+  // ---------------------------------------------------------------------------------------------------- counting
+
+  int seen_count() const {
+    return landmarks.sum([](const auto& store) { return store.seen_count(); });
+  }
+  int tracked_count() const {
+    return landmarks.sum([](const auto& store) { return store.tracked_count(); });
+  }
+  /// Those of kinds that are there for more than the start.
+  int lasting_count() const { return front_ends.lasting_count(landmarks); }
+  /// Mean motion of the landmarks since the last keyframe [px]; 0 when none is seen in both.
+  double motion_px() const {
+    double sum_px = 0;
+    int count = 0;
+    landmarks.for_each([&](const auto& store) { store.add_motion_since(keyframe_, sum_px, count); });
+    return count > 0 ? sum_px / count : 0;
+  }
+  S mean_depth() const {
+    S inverse_sum = S(0);
+    int count = 0;
+    landmarks.for_each([&](const auto& store) { store.add_inverse_ranges(inverse_sum, count); });
+    return count > 0 ? S(count) / inverse_sum : S(1);
+  }
+  int keyframe() const { return keyframe_; }  ///< slot of the last one
+
+  // --------------------------------------------------------------------------------------------- predict and track
+
+  /// A frame whose image was taken in, beside the last one that was kept.
+  View<Sensors> view_of(const typename Sensors::Frame& frame, bool is_first) {
+    const S dt = S(seconds_between(estimate.t_ns, frame.t_ns));
+    const State latest = window().latest();
+    motion.begin_frame(frame.t_ns, is_first ? nullptr : &latest, dt);
+    View<Sensors> view =
+        images.view(rig, frame, motion.T_body_cam(rig_state.T_body_cam()), rig_state.readout().value_s, dt);
+    turn_shutter(view);
+    return view;
+  }
+
+  /// Where the frame is expected; its shutter turns as the body does.
+  Predicted predict(View<Sensors>& view) {
+    const auto align_rotation = [&](const SO3<S>& guess) { return images.align_rotation(view, guess); };
+    const Predicted predicted = motion.predict(window().latest(), view, S(blind_s(view.t_ns)), align_rotation);
+    turn_shutter(view);
+    return predicted;
+  }
+
+  /// Follows all features from the last image and moves T to the pose that most of them agree on.
+  void track(const View<Sensors>& view, SE3<S>& T) {
+    front_ends.follow(view, window(), landmarks, T);
+    front_ends.agree(view, window(), landmarks, options.ransac, T);
+  }
+
+  /// The pose alone, again without the outliers that it found, then with every landmark looked for again where it sees
+  /// them. False when it is not determined.
+  bool find_pose(const View<Sensors>& view, const Predicted& predicted, SE3<S>& T, Covariance& covariance) {
+    const auto refine = [&] {
+      return pose_.refine(rig, view.T_body_cam, landmarks, window(), predicted.state.T_world_body, predicted.prior, T,
+                          covariance);
+    };
+    if (!refine() || !refine()) return false;
+    front_ends.refine(view, window(), landmarks, T);
+    if (!refine()) return false;
+    find_readout(view, T);
+    return true;
+  }
+
+  void turn_shutter(View<Sensors>& view) const {
+    view.shutter.set_angular_rate(view.T_body_cam.rotation().inverse() * motion.angular_rate());
+  }
+
+  // ------------------------------------------------------------------------------------------ estimate and keyframe
+
+  /// A frame that nothing ties to others: its pose is that of its features; a keyframe is solved for with the window.
+  void solve_alone(const View<Sensors>& view, const State& x, const Covariance& covariance) {
+    window().set_latest(x);
+    images.keep(view, x.T_world_body);
+    publish(view.t_ns);
+    // The keyframe's uncertainty, carried over to this body, plus that of the motion since.
+    const Covariance Ad = (x.T_world_body.inverse() * window().T_world_body(keyframe_)).adjoint();
+    estimate.covariance = Ad * keyframe_covariance_ * Ad.transpose() + covariance;
+    front_ends.locate(view, window(), landmarks, x.T_world_body);
+    good_ns_ = view.t_ns;
+  }
+  bool needs_keyframe(TimeNs t_ns) {
+    const double moved_px = motion_px();
+    const bool needed = rule_.is_keyframe(tracked_count(), tracked_at_keyframe_, moved_px);
+    return motion.confirm_keyframe(t_ns, moved_px, needed);
+  }
+  /// The latest frame, which was solved for alone, becomes a keyframe.
+  void make_keyframe(const View<Sensors>& view) {
+    const int slot = backend.insert(view.t_ns, window().latest(), motion.link(keyframe_));
+    front_ends.detect(view, window(), landmarks, slot);
+    backend.optimize(rig, view.T_body_cam, landmarks);
+    window().set_latest(slot);
+    adopt_keyframe(view, slot);
+    make_room(view);
+  }
+
+  /// A frame that is tied to the last keyframe is solved for with the window, and taken out again, without a trace, when
+  /// the next one comes, unless it is a keyframe.
+  void solve_with_window(const View<Sensors>& view, const State& x) {
+    const State before = window().latest();
+    drop_temporary();
+    const bool keyframe = needs_keyframe(view.t_ns);
+    const int slot = backend.insert(view.t_ns, x, motion.link(keyframe_));
+    if (keyframe) {
+      front_ends.detect(view, window(), landmarks, slot);
+    } else {
+      landmarks.for_each([&](auto& store) { store.record(slot); });
+    }
+    backend.optimize(rig, view.T_body_cam, landmarks, keyframe);
+    window().set_latest(slot);
+    if (State solved = window().latest(); motion.revise(before, solved, view.dt)) window().set_latest(solved);
+    const SE3<S> T = window().latest().T_world_body;
+    images.keep(view, T);
+    front_ends.locate(view, window(), landmarks, T);
+    good_ns_ = view.t_ns;
+    publish(view.t_ns);
+    if (!backend.covariance_of_newest(estimate.covariance)) estimate.covariance.setIdentity();
+    if (keyframe) {
+      adopt_keyframe(view, slot);
+      make_room(view);
+    } else {
+      temporary_ = slot;
+    }
+  }
+
+  /// The frame in `slot` is the last keyframe now.
+  void adopt_keyframe(const View<Sensors>& view, int slot) {
+    const State x = window().latest();
+    images.keep(view, x.T_world_body);
+    keyframe_ = slot;
+    tracked_at_keyframe_ = tracked_count();
+    motion.begin_link(x);
+    if (backend.covariance_of_newest(keyframe_covariance_)) estimate.covariance = keyframe_covariance_;
+    estimate.T_world_body = x.T_world_body;
+    estimate.keyframe = true;
+  }
+  /// For the next frame: a keyframe goes to the map when the window is full.
+  void make_room(const View<Sensors>& view) {
+    if (!window().full()) return;
+    const int slot = KeyframeRule::leaving(window(), mean_depth(), Motion::is_chain);
+    backend.retire(rig, view.T_body_cam, landmarks, slot, map);
+  }
+  void drop_temporary() {
+    if (temporary_ != none) backend.drop(landmarks, temporary_);
+    temporary_ = none;
+  }
+
+  /// What was seen before is out of sight: a keyframe at the latest state, if the image shows corners at all.
+  bool look_anew(const View<Sensors>& view) {
+    drop_temporary();
+    const int slot = backend.insert(view.t_ns, window().latest(), motion.link(keyframe_));
+    front_ends.detect(view, window(), landmarks, slot);
+    if (seen_count() < options.recovery.min_landmarks) {
+      backend.drop(landmarks, slot);
+      return false;
+    }
+    window().set_latest(slot);
+    adopt_keyframe(view, slot);
+    make_room(view);
+    return true;
+  }
+
+  /// The window has become metric, the latest frame is its last keyframe: links begin.
+  void become_metric(const View<Sensors>& view) {
+    front_ends.end_start(landmarks);
+    good_ns_ = view.t_ns;
+    publish(view.t_ns);
+    adopt_keyframe(view, keyframe_);
+  }
+
+  /// Forgets all landmarks and frames; the frame is the first keyframe, at x. Returns its slot.
+  int begin_anew(const View<Sensors>& view, const State& x) {
+    landmarks.for_each([](auto& store) { store.clear(); });
+    front_ends.begin_start();
+    temporary_ = none;
+    const int slot = backend.start(view.t_ns, x);
+    window().set_latest(slot);
+    front_ends.detect(view, window(), landmarks, slot);
+    keyframe_covariance_.setZero();
+    return slot;
+  }
+
+  // ------------------------------------------------------------------------------------------------------ publish
+
+  /// The latest state as the estimate of the frame.
+  void publish(TimeNs t_ns) {
+    const State x = window().latest();
+    estimate.t_ns = t_ns;
+    estimate.T_world_body = x.T_world_body;
+    estimate.keyframe = false;
+    estimate.tracked = tracked_count();
+    const bool few = estimate.tracked < 2 * options.pose.min_inliers;
+    set_health(few ? HealthState::degraded : HealthState::tracking, few ? HealthReason::few_features : HealthReason::none);
+    const HealthReason doubt = motion.doubt(backend.links(), window());
+    if (doubt != HealthReason::none) set_health(HealthState::degraded, doubt);
+    if constexpr (Motion::Layout::template has<state::Velocity>) {
+      if (!motion.ties_frames()) return;
+      estimate.v_world_body = x.v_world_body;
+      estimate.bias_gyro = x.bias_gyro;
+      estimate.bias_accel = x.bias_accel;
+    }
+  }
+  void set_health(HealthState state, HealthReason reason) { estimate.health = {state, reason}; }
+  double blind_s(TimeNs t_ns) const { return seconds_between(good_ns_, t_ns); }
+
+ private:
+  static constexpr int none = -1;
+
+  /// Takes what the frame says about the readout time; its features move along.
+  void find_readout(const View<Sensors>& view, const SE3<S>& T) {
+    if constexpr (Sensors::rolls) {
+      if (!(rig_state.readout().sigma_s > S(0))) return;
+      typename ReadoutFilter<S>::Equations system;
+      pose_.accumulate(rig, BodyView<S>(T, view.T_body_cam), landmarks, system);
+      const S change_s = rig_state.update_readout(system, view.dt);
+      landmarks.for_each([&](auto& store) { store.change_readout(change_s); });
+    }
+  }
+
+  Pose pose_;
+  KeyframeRule rule_;
+  int keyframe_ = 0, temporary_ = none;  ///< slots of the last keyframe, and of the latest frame when it is none
+  int tracked_at_keyframe_ = 0;
+  Covariance keyframe_covariance_ = Covariance::Zero();
+  TimeNs good_ns_ = 0;  ///< of the last frame whose image was of use
+};
+
+}  // namespace plumbline

@@ -1,0 +1,55 @@
+#pragma once
+/// A kind of feature: what a landmark and an observation of it are, and which rows they give. One store and one set of
+/// terms serve all kinds (landmark_store.hpp, motion_terms.hpp, window_terms.hpp); how a kind is found in images is for
+/// its front end.
+///
+/// The functions of a kind are static and work on one landmark at a time. Their semantics:
+///   Geometry     of a landmark in the camera of its anchor; `step` moves it by an increment of `dim` numbers
+///   Observation  where one frame saw it: `valid`; `place()` in the image; `scale_sigma`, `change_readout`
+///   Appearance   by which it is recognized
+///   InAnchor     what the costs of one landmark share, made once for them of its geometry
+///   Linearized   what its rows share
+///   InWorld      a landmark in world coordinates together with what the latest frame saw of it
+/// A row is whitened and multiplied with the square root of its robust weight; costs are 1/2 rho.
+
+#include <concepts>
+
+#include "plumbline/core/matrix.hpp"
+
+namespace plumbline {
+
+template <class K>
+concept KindOfLandmark = std::floating_point<typename K::Scalar> && requires {
+  typename K::Geometry;
+  typename K::Appearance;
+  typename K::Observation;
+  typename K::Place;
+  { K::dim } -> std::convertible_to<int>;            // of a landmark's increment
+  { K::rows_per_view } -> std::convertible_to<int>;  // at most, of one observation
+  { K::damping_rows } -> std::convertible_to<int>;   // that hold a landmark in a step
+};
+
+/// Lengths, motions and what becomes of a landmark.
+template <class K>
+concept HasGeometry = requires(typename K::Geometry& geometry, const typename K::Observation& seen, typename K::Scalar s) {
+  { K::middle(geometry) } -> std::convertible_to<Vec<typename K::Scalar, 3>>;  // in the anchor's camera [m]
+  { K::inverse_range(geometry) } -> std::convertible_to<typename K::Scalar>;   // [1/m]
+  { K::motion_px(seen, seen) } -> std::convertible_to<double>;                 // from one frame to another
+  { K::settle(geometry, seen, nullptr) } -> std::same_as<bool>;                // after an optimization
+  K::rescale(geometry, s);
+  K::change_readout(geometry, seen, s);
+  K::step(geometry, Vec<typename K::Scalar, K::dim>{});
+};
+
+/// Rows of the estimate of one frame, its map being given.
+template <class K>
+concept HasMotionRows = requires {
+  typename K::InWorld;
+  typename K::Motion;  // the layout that the rows refer to
+  { K::depth_dim } -> std::convertible_to<int>;
+};
+
+template <class K>
+concept FeatureKind = KindOfLandmark<K> && HasGeometry<K> && HasMotionRows<K>;
+
+}  // namespace plumbline

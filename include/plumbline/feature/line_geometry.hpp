@@ -1,0 +1,86 @@
+#pragma once
+/// An infinite line in the camera of a keyframe (the anchor), and the part of it that was seen.  docs/math/line.md
+///
+/// In contrast to a point, no observation defines the line: the anchor's own is a measurement like all others.
+
+#include <cmath>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/geometry/line3.hpp"
+#include "plumbline/lie/se3.hpp"
+#include "plumbline/residual/anchored_line.hpp"
+#include "plumbline/residual/line_observation.hpp"
+
+namespace plumbline {
+
+template <class S>
+struct LineGeometry {
+  Line3<S> line;                                   ///< from start to end
+  Mat<S, 4, 4> covariance = Mat<S, 4, 4>::Zero();  ///< of its increment, given the poses
+  Vec<S, 2> extent = Vec<S, 2>::Zero();            ///< start and end of what was seen last, see `at` [m]
+
+  /// The point of the line `along` from the one that is nearest to the camera [m].
+  Vec<S, 3> at(S along) const { return line.closest_point() + along * line.direction(); }
+  Vec<S, 3> middle() const { return at((extent[0] + extent[1]) / 2); }
+
+  /// Sets the extent to what bearings [this line's camera: T_camera_anchor] of start and end see of the line; no change
+  /// where they see none of it.
+  void set_extent(const SE3<S>& T_camera_anchor, const Vec<S, 3>& bearing_start, const Vec<S, 3>& bearing_end) {
+    const Plucker<S> in_camera = T_camera_anchor * line.plucker();
+    const SE3<S> T_anchor_camera = T_camera_anchor.inverse();
+    for (int i = 0; i < 2; ++i) {
+      const Vec<S, 3>& bearing = i == 0 ? bearing_start : bearing_end;
+      if (!line_visible(in_camera, bearing)) continue;
+      const S along = line.direction().dot(T_anchor_camera * in_camera.point_along(bearing));
+      if (std::abs(along) < max_extent) extent[i] = along;  // false for NaN
+    }
+  }
+
+  /// d(n; v)/d readout of line.plucker() [1/s]: it turns with the bearings of the anchor's segment, which have the given
+  /// slopes.                                                                                                 (30)
+  Vec<S, 6> slope(const LineReprojection<S>& seen, const Mat<S, 3, 2>& bearing_slope) const {
+    const Plucker<S> plucker = line.plucker();
+    Vec<S, 6> out = Vec<S, 6>::Zero();
+    if (!line_visible(plucker, seen.bearing_start) || !line_visible(plucker, seen.bearing_end)) return out;
+    const Vec<S, 3> p = plucker.point_along(seen.bearing_start), q = plucker.point_along(seen.bearing_end),
+                    p_slope = p.norm() * bearing_slope.col(0), q_slope = q.norm() * bearing_slope.col(1);
+    const S scale = plucker.v.norm() / (q - p).norm();
+    out << scale * (p_slope.cross(q) + p.cross(q_slope)), scale * (q_slope - p_slope);
+    return all_finite(out) ? out : Vec<S, 6>(Vec<S, 6>::Zero());
+  }
+  void change(const Vec<S, 6>& d) {
+    const Plucker<S> plucker = line.plucker();
+    line = Line3<S>(Plucker<S>{plucker.n + segment<3>(d, 0), plucker.v + segment<3>(d, 3)});
+  }
+
+  /// All lengths become `scale` times what they were.                                                        (32)
+  void rescale(S scale) {
+    const S d = line.distance();
+    const Plucker<S> plucker = line.plucker();
+    line = Line3<S>(Plucker<S>{scale * plucker.n, plucker.v});
+    extent *= scale;
+    const S slope = scale * (1 + d * d) / (1 + scale * scale * d * d);
+    covariance.col(3) *= slope;
+    covariance.row(3) *= slope;
+  }
+
+  /// The distances of both ends of the anchor's segment are known to a third, and the line keeps clear of the camera.
+  bool is_sound(const LineReprojection<S>& seen) const {
+    if (!(line.distance() > S(0.02)) || !all_finite(covariance)) return false;
+    const LineInverseDepth<S> ends{seen.bearing_start / seen.bearing_start.z(), seen.bearing_end / seen.bearing_end.z(),
+                                   Vec<S, 2>::Zero()};
+    const auto inverse_depth = AnchoredLine<LineInverseDepth<S>>{ends}.linearize_in_anchor(line);
+    if (!inverse_depth.valid) return false;
+    for (int i = 0; i < 2; ++i) {
+      const Mat<S, 1, 4> J = block<1, 4>(inverse_depth.J_r_line, i, 0);
+      const S variance = product_transposed(product(J, covariance), J)(0, 0);
+      if (!(inverse_depth.r[i] > 3 * std::sqrt(variance))) return false;
+    }
+    return true;
+  }
+
+ private:
+  static constexpr S max_extent = S(1e3);  ///< [m]
+};
+
+}  // namespace plumbline

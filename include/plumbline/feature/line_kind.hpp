@@ -1,0 +1,246 @@
+#pragma once
+/// Feature kind: straight edges, each an infinite line in the camera of its anchor.
+///                                                                        docs/math/line.md, docs/math/window.md
+/// In the window it gives
+///   1/2 rho(|L r_endpoints|^2) + 1/2 rho(|L_z r_inverse_depths|^2)
+/// over all frames, the anchor included. In a step a landmark is held by sigma = 1 on each of its four angles     (31)
+/// against what its views leave open: one plane holds all of them, or the line is far. A landmark whose distance stays
+/// unknown after the step is dropped.
+///
+/// In the estimate of one frame a landmark's own covariance C widens its residuals,
+///   Sigma_r = Sigma + J_line C_w J_line^T,   C_w = M C M^T,  M = d(n_w; v_w)/d theta                            (29)
+/// and the readout time of a rolling shutter moves observation and landmark (docs/math/rolling_shutter.md):
+///   dr/d readout = J_line d(n_w; v_w)/d readout + dr/d bearing d bearing/d readout,   dr_i/d bearing_i = k_i nh^T
+/// The depth rows neglect it: their noise is larger.
+
+#include <algorithm>
+#include <cmath>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/present.hpp"
+#include "plumbline/core/square_root_information.hpp"
+#include "plumbline/feature/feature_kind.hpp"
+#include "plumbline/feature/line_geometry.hpp"
+#include "plumbline/feature/segment_observation.hpp"
+#include "plumbline/feature/whitened_rows.hpp"
+#include "plumbline/residual/anchored_line.hpp"
+#include "plumbline/residual/relative_view.hpp"
+#include "plumbline/residual/world_line.hpp"
+#include "plumbline/sensor/rig.hpp"
+#include "plumbline/solver/robust_loss.hpp"
+
+namespace plumbline {
+
+template <SensorRig SensorsT>
+struct LineKind {
+  using Sensors = SensorsT;
+  using Scalar = typename Sensors::Scalar;
+  using S = Scalar;
+  using Observation = SegmentObservation<S, Sensors::has_depth, Sensors::rolls>;
+  using Place = LineSegment;  ///< in the image [px]
+  using Geometry = LineGeometry<S>;
+  static constexpr int dim = 4;
+  static constexpr int rows_per_view = Sensors::has_depth ? 4 : 2, damping_rows = dim;
+  static constexpr Huber<S> pixel_loss{S(2.45)}, depth_loss{S(2.45)};  ///< sqrt(chi2_95_2dof)
+
+  struct Appearance {
+    LineProfile profile;  ///< of the latest observation that fits
+    float gradient = 0;   ///< of the same [intensity/px]
+  };
+
+  // -------------------------------------------------------------------------------------------------- geometry
+
+  /// Of the part that was seen last, in the anchor's camera [m].
+  static Vec<S, 3> middle(const Geometry& line) { return line.middle(); }
+  static S inverse_range(const Geometry& line) { return S(1) / line.middle().norm(); }
+  static void rescale(Geometry& line, S scale) { line.rescale(scale); }
+  static void change_readout(Geometry& line, const Observation& seen_by_anchor, S change_s) {
+    line.change(Vec<S, 6>(change_s * slope_of(line, seen_by_anchor)));
+  }
+  /// An edge shows its motion across it alone, which for edges of all directions is 2/pi of the whole on average.
+  static double motion_px(const Observation& then, const Observation& now) {
+    constexpr double half_pi = 1.5707963267948966;
+    const LineSegment& edge = now.segment;
+    return half_pi * (std::abs(edge.distance(then.segment.start)) + std::abs(edge.distance(then.segment.end))) / 2;
+  }
+
+  static void step(Geometry& line, const Vec<S, dim>& d) { line.line = line.line.plus(d); }
+  /// After convergence: the landmark's covariance given the poses. False when it came to nothing.
+  static bool settle(Geometry& line, const Observation& seen_by_anchor, const Mat<S, dim, dim>* covariance) {
+    if (covariance) line.covariance = *covariance;
+    return covariance && line.is_sound(seen_by_anchor.pixels.measured);
+  }
+
+  // --------------------------------------------------------------------------------------------- in the window
+
+  struct InAnchor {
+    Plucker<S> plucker;
+    explicit InAnchor(const Geometry& line) : plucker(line.line.plucker()) {}
+  };
+  struct Linearized : LinearizedLine<S> {
+    explicit Linearized(const Geometry& line) : LinearizedLine<S>(line.line) {}
+  };
+
+  /// Weighted rows of the anchor's own observation; returns their cost.
+  template <class Rows>
+  static double add_anchor(const Linearized& line, const Observation& seen, Rows& rows) {
+    const Errors errors = errors_of(seen, line.plucker);
+    if (!errors.valid || !add_in_anchor(line, seen.pixels, errors.pixels, rows)) return invalid_cost;
+    if (seen.has_depth()) add_in_anchor(line, seen.depth.get(), errors.depth, rows);
+    return cost_of(errors);
+  }
+  /// What holds the line when another frame leaves: the anchor's pixels. Its depth stays with the landmark, it must not
+  /// count twice.
+  template <class Rows>
+  static void add_anchor_tie(const Linearized& line, const Observation& seen, Rows& rows) {
+    const Vec<S, 2> r = seen.pixels.L * seen.pixels.measured.residual(line.plucker);
+    add_in_anchor(line, seen.pixels, r, rows);
+  }
+  /// Weighted rows of the observation in `slot`, another frame than the anchor; returns their cost.
+  template <class Rows>
+  static double add_view(const Sensors&, const Linearized& line, const Observation& seen, const RelativeView<S>& view,
+                         int slot, Rows& rows) {
+    const Errors errors = errors_of(seen, line_in_target(view, line.plucker));
+    if (!errors.valid || !add_in_target(line, seen.pixels, errors.pixels, view, slot, rows)) return invalid_cost;
+    if (seen.has_depth()) add_in_target(line, seen.depth.get(), errors.depth, view, slot, rows);
+    return cost_of(errors);
+  }
+
+  /// (31)
+  template <class Rows>
+  static void add_damping(Rows& rows) {
+    rows.template add<dim>(Mat<S, dim, dim>::Identity(), Vec<S, dim>::Zero());
+  }
+
+  static double cost_in_anchor(const InAnchor& line, const Observation& seen) {
+    const Errors errors = errors_of(seen, line.plucker);
+    return errors.valid ? cost_of(errors) : invalid_cost;
+  }
+  static double cost(const Sensors&, const InAnchor& line, const Observation& seen, const RelativeView<S>& view) {
+    const Errors errors = errors_of(seen, line_in_target(view, line.plucker));
+    return errors.valid ? cost_of(errors) : invalid_cost;
+  }
+
+  /// Drops what does not belong. The anchor's own pixels stay: without them nothing tells where on the line it was seen.
+  static void keep_fitting_in_anchor(const InAnchor& line, Observation& seen) {
+    keep_fitting_depth(errors_of(seen, line.plucker), seen);
+  }
+  static void keep_fitting(const Sensors&, const InAnchor& line, Observation& seen, const RelativeView<S>& view) {
+    const Errors errors = errors_of(seen, line_in_target(view, line.plucker));
+    seen.valid = errors.valid && errors.pixels.squaredNorm() < drop_chi2;
+    keep_fitting_depth(errors, seen);
+  }
+
+  // --------------------------------------------------------------------------------------------- in one frame
+
+  using Motion = FrameLayout<Sensors::rolls>;
+
+  struct InWorld {
+    Plucker<S> line;
+    Mat<S, 6, 6> covariance;                                         ///< C_w of (29)
+    [[no_unique_address]] Present<Vec<S, 6>, Sensors::rolls> slope;  ///< d(n_w; v_w)/d readout [1/s]
+    Observation seen;
+  };
+  static InWorld in_world(const Geometry& line, const Observation& seen_by_anchor, const Observation& current,
+                          const SE3<S>& T_world_anchor) {
+    const Mat<S, 6, 6> to_world = plucker_transform(T_world_anchor);
+    const Mat<S, 6, 4> M = to_world * line.line.plucker_jacobian();
+    InWorld out{T_world_anchor * line.line.plucker(), M * line.covariance * M.transpose(), {}, current};
+    if constexpr (Sensors::rolls) out.slope.set(to_world * slope_of(line, seen_by_anchor));
+    return out;
+  }
+
+  static WhitenedRows<S, 2, Motion> pixel_rows(const Sensors&, const BodyView<S>& view, const InWorld& line) {
+    const LineReprojection<S>& pixels = line.seen.pixels.measured;
+    const auto lin = WorldLine<LineReprojection<S>>{pixels}.linearize(view, line.line);
+    if (!lin.valid) return {};
+    Vec<S, 2> by_readout = Vec<S, 2>::Zero();
+    if constexpr (Sensors::rolls) {
+      const Vec<S, 3> nh = line_in_camera(view, line.line).n.normalized();
+      by_readout = lin.J_r_line * line.slope.get();
+      const Mat<S, 3, 2>& slope = line.seen.bearing_slope.get();
+      for (int i = 0; i < 2; ++i) by_readout[i] += pixels.px_per_rad[i] * nh.dot(slope.col(i));
+    }
+    return whitened(lin, by_readout, line.seen.pixels.covariance, line);
+  }
+
+  /// Root mean square of the same residual, before it is whitened.
+  static double error_px(const Sensors&, const BodyView<S>& view, const InWorld& line) {
+    const Vec<S, 2> r = line.seen.pixels.measured.residual(line_in_camera(view, line.line));
+    return double(r.norm()) / std::sqrt(2.0);
+  }
+
+  static constexpr int depth_dim = 2;
+  static bool has_depth(const InWorld& line) { return line.seen.has_depth(); }
+  static WhitenedRows<S, depth_dim, Motion> depth_rows(const BodyView<S>& view, const InWorld& line) {
+    const auto& depth = line.seen.depth.get();
+    const auto lin = WorldLine<LineInverseDepth<S>>{depth.measured}.linearize(view, line.line);
+    if (!lin.valid) return {};
+    return whitened(lin, Vec<S, 2>::Zero(), depth.covariance, line);
+  }
+
+  /// d(n; v)/d readout in the anchor.
+  static Vec<S, 6> slope_of(const Geometry& line, const Observation& seen_by_anchor) {
+    if (!seen_by_anchor.valid) return Vec<S, 6>::Zero();
+    return line.slope(seen_by_anchor.pixels.measured, seen_by_anchor.bearing_slope.get());
+  }
+
+ private:
+  static constexpr double invalid_cost = 100;  ///< of an observation that the current state cannot explain at all
+  static constexpr S drop_chi2 = S(25);        ///< whitened squared error beyond which an observation is an outlier
+
+  /// Whitened errors of one observation.
+  struct Errors {
+    bool valid;
+    Vec<S, 2> pixels;
+    Vec<S, 2> depth;  ///< zero where none was measured
+  };
+
+  static Errors errors_of(const Observation& seen, const Plucker<S>& line) {
+    const LineReprojection<S>& pixels = seen.pixels.measured;
+    Errors out{line_visible<S>(line, pixels.bearing_start + pixels.bearing_end), Vec<S, 2>::Zero(), Vec<S, 2>::Zero()};
+    if (!out.valid) return out;
+    out.pixels = seen.pixels.L * pixels.residual(line);
+    const auto& depth = seen.depth.get();
+    if (depth.valid) out.depth = depth.L * depth.measured.residual(line);
+    return out;
+  }
+  static double cost_of(const Errors& errors) {
+    return (pixel_loss.rho(errors.pixels.squaredNorm()) + depth_loss.rho(errors.depth.squaredNorm())) / 2;
+  }
+  static void keep_fitting_depth(const Errors& errors, Observation& seen) {
+    if (seen.has_depth() && !(errors.depth.squaredNorm() < drop_chi2)) seen.forget_depth();
+  }
+
+  /// Rows of one measurement with whitened errors r.
+  template <class Measurement, class Rows>
+  static bool add_in_anchor(const Linearized& line, const SegmentMeasurement<Measurement>& seen, const Vec<S, 2>& r,
+                            Rows& rows) {
+    const auto lin = AnchoredLine<Measurement>{seen.measured}.linearize_in_anchor(line);
+    if (!lin.valid) return false;
+    const S w = std::sqrt(pixel_loss.weight(r.squaredNorm()));
+    const Mat<S, 2, 2> wL = w * seen.L;
+    return rows.template add<2>(Mat<S, 2, dim>(wL * lin.J_r_line), Vec<S, 2>(w * r));
+  }
+  template <class Measurement, class Rows>
+  static bool add_in_target(const Linearized& line, const SegmentMeasurement<Measurement>& seen, const Vec<S, 2>& r,
+                            const RelativeView<S>& view, int slot, Rows& rows) {
+    const auto lin = AnchoredLine<Measurement>{seen.measured}.linearize_in_target(view, line);
+    if (!lin.valid) return false;
+    const S w = std::sqrt(pixel_loss.weight(r.squaredNorm()));
+    const Mat<S, 2, 2> wL = w * seen.L;
+    return rows.template add<2>(slot, Mat<S, 2, 6>(wL * lin.J_r_target), Mat<S, 2, dim>(wL * lin.J_r_line),
+                                Vec<S, 2>(w * r));
+  }
+
+  template <class Linearization>
+  static WhitenedRows<S, 2, Motion> whitened(const Linearization& lin, const Vec<S, 2>& by_readout,
+                                             const Mat<S, 2, 2>& covariance, const InWorld& line) {
+    const Mat<S, 2, 2> widened = covariance + lin.J_r_line * line.covariance * lin.J_r_line.transpose();  // (29)
+    const Result<Mat<S, 2, 2>> W = square_root_information(widened);
+    if (!W) return {};
+    return WhitenedRows<S, 2, Motion>::of(*W, lin.r, lin.J_r_pose, by_readout);
+  }
+};
+
+}  // namespace plumbline

@@ -1,0 +1,75 @@
+#pragma once
+/// The pose of one frame with its map given: iteratively reweighted Gauss-Newton over the rows of all kinds, and a gate for
+/// what does not fit.                                                          docs/math/point.md, docs/math/line.md
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/feature/features.hpp"
+#include "plumbline/feature/motion_terms.hpp"
+#include "plumbline/lie/plus.hpp"
+#include "plumbline/motion/motion_model.hpp"
+#include "plumbline/residual/world_point.hpp"
+#include "plumbline/sensor/rig.hpp"
+#include "plumbline/solver/gauss_newton.hpp"
+
+namespace plumbline {
+
+struct MotionOptions {
+  int max_iterations = 10;
+  double step_tolerance = 1e-5;  ///< converged below this length of the step [rad and m]
+  double chi2_gate = 13.8;       ///< 99.9 % of two degrees of freedom
+  int min_inliers = 8;           ///< fewer are no estimate
+};
+
+template <SensorRig Sensors, class Landmarks>
+class MotionEstimate {
+ public:
+  using S = typename Sensors::Scalar;
+  static constexpr int dim = state::Pose::dim;
+  using Covariance = Mat<S, dim, dim>;
+
+  explicit MotionEstimate(const MotionOptions& options) : options_(options) {}
+  const MotionOptions& options() const { return options_; }
+
+  /// Moves T, from which the landmarks in sight are far or near, to where they agree, and takes those that do not out of
+  /// the frame. `prior` is about T_predicted. False when the pose is not determined.
+  bool refine(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks, const auto& window,
+              const SE3<S>& T_predicted, const PosePrior<S>& prior, SE3<S>& T, Covariance& covariance) {
+    landmarks.for_each_with(terms_, [&](auto& store, auto& terms) { terms.collect(store, window, T_body_cam); });
+    DenseNormalEquations<S, dim> system;
+    for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
+      system.reset();
+      accumulate(rig, BodyView<S>(T, T_body_cam), landmarks, system);
+      if (prior.valid) add(prior, T_predicted, T, system);
+      Vec<S, dim> d;
+      if (!system.solve(d)) return false;
+      T = plus(T, d);
+      if (d.norm() < S(options_.step_tolerance)) break;
+    }
+    int inliers = 0;
+    const BodyView<S> body(T, T_body_cam);
+    landmarks.for_each_with(terms_, [&](auto& store, auto& terms) {
+      inliers += terms.gate(rig, store, body, S(options_.chi2_gate));
+    });
+    return inliers >= options_.min_inliers && system.covariance(covariance) && T.is_finite();
+  }
+
+  /// Adds the rows of all that took part in the last `refine`, at a pose.
+  template <int Dim>
+  void accumulate(const Sensors& rig, const BodyView<S>& body, const Landmarks& landmarks,
+                  DenseNormalEquations<S, Dim>& system) {
+    landmarks.for_each_with(terms_, [&](const auto&, auto& terms) { terms.accumulate(rig, body, system); });
+  }
+
+ private:
+  static void add(const PosePrior<S>& prior, const SE3<S>& T_predicted, const SE3<S>& T,
+                  DenseNormalEquations<S, dim>& system) {
+    const Vec<S, dim> weight = prior.sigma.cwiseInverse();
+    const Mat<S, dim, dim> J = weight.asDiagonal() * minus_jacobian(T, T_predicted);
+    system.add(J, Vec<S, dim>(weight.cwiseProduct(minus(T, T_predicted))), S(1));
+  }
+
+  MotionOptions options_;
+  typename Landmarks::template TupleOf<MotionTerms> terms_;
+};
+
+}  // namespace plumbline

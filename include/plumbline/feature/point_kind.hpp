@@ -1,0 +1,270 @@
+#pragma once
+/// Feature kind: points, each an inverse range along the unit bearing of its first observation (the anchor).
+///                                                                      docs/math/point.md, docs/math/window.md
+/// In the window it gives
+///   1/2 rho(|L r_uv|^2) + 1/2 rho(r_z^2 / sigma_z^2)
+/// over reprojections in every frame but the anchor and inverse depths measured in every frame, anchor included.
+///
+/// In the estimate of one frame a landmark's own uncertainty widens its residual along the direction in which it would
+/// move the observation,
+///   Sigma_uv = (L^T L)^-1 + J_uv_lambda J_uv_lambda^T sigma_lambda^2,  Sigma_z = sigma_z^2 + (J_z_lambda sigma_lambda)^2
+///   Sigma_uv^-1/2 = (I - c j j^T / |j|^2) L,  j = L J_uv_lambda sigma_lambda,  c = 1 - 1/sqrt(1 + |j|^2)       (10)
+/// so that landmarks just found from one noisy depth do not outvote those seen for long. The readout time of a rolling
+/// shutter moves observation and anchor (docs/math/rolling_shutter.md):
+///   dr_uv/d readout = J_uv_X dX/d readout - duv/d readout,   dX/d readout = R_wa (dbearing/d readout) / lambda
+
+#include <algorithm>
+#include <cmath>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/present.hpp"
+#include "plumbline/feature/feature_kind.hpp"
+#include "plumbline/feature/point_observation.hpp"
+#include "plumbline/feature/whitened_rows.hpp"
+#include "plumbline/residual/inverse_depth_point.hpp"
+#include "plumbline/residual/world_point.hpp"
+#include "plumbline/sensor/rig.hpp"
+#include "plumbline/solver/robust_loss.hpp"
+#include "plumbline/tracking/reference_patch.hpp"
+
+namespace plumbline {
+
+template <SensorRig SensorsT>
+struct PointKind {
+  using Sensors = SensorsT;
+  using Scalar = typename Sensors::Scalar;
+  using S = Scalar;
+  using Camera = typename Sensors::Camera;
+  using Observation = PointObservation<S, Sensors::has_depth, Sensors::rolls>;
+  using Place = Vec<float, 2>;  ///< in the image [px]
+  using Appearance = ReferencePatch;
+  static constexpr int dim = 1;  ///< lambda
+  static constexpr int rows_per_view = Sensors::has_depth ? 3 : 2, damping_rows = 0;
+  static constexpr S lambda_min = S(1e-3), lambda_max = S(20);  ///< inverse range stays in this interval [1/m]
+  static constexpr Huber<S> pixel_loss{S(2.45)};                ///< sqrt(chi2_95_2dof)
+  static constexpr Huber<S> depth_loss{S(1.345)};
+
+  struct Geometry {
+    Vec<S, 3> bearing = Vec<S, 3>::UnitZ();  ///< unit, anchor camera
+    S inverse_range = S(0);                  ///< lambda [1/m]
+    S sigma_inverse_range = S(0);            ///< given the poses [1/m]
+    [[no_unique_address]] Present<Vec<S, 3>, Sensors::rolls> bearing_slope;  ///< d bearing / d readout [1/s]
+  };
+
+  // -------------------------------------------------------------------------------------------------- geometry
+
+  /// In the anchor's camera [m].
+  static Vec<S, 3> middle(const Geometry& point) { return point.bearing / point.inverse_range; }
+  static S inverse_range(const Geometry& point) { return point.inverse_range; }
+  static void rescale(Geometry& point, S scale) {
+    point.inverse_range /= scale;
+    point.sigma_inverse_range /= scale;
+  }
+  static void change_readout(Geometry& point, const Observation&, S change_s) {
+    point.bearing = (point.bearing + change_s * point.bearing_slope.get()).normalized();
+  }
+  static double motion_px(const Observation& then, const Observation& now) { return (now.pixel - then.pixel).norm(); }
+
+  static void step(Geometry& point, const Vec<S, dim>& d) {
+    if (d[0] != S(0)) point.inverse_range = std::clamp(point.inverse_range + d[0], lambda_min, lambda_max);
+  }
+  /// After convergence: the landmark's covariance given the poses. False when it came to nothing.
+  static bool settle(Geometry& point, const Observation&, const Mat<S, dim, dim>* covariance) {
+    if (covariance) point.sigma_inverse_range = std::sqrt((*covariance)(0, 0));
+    return true;
+  }
+
+  // --------------------------------------------------------------------------------------------- in the window
+
+  using InAnchor = Geometry;
+  using Linearized = Geometry;
+
+  /// The row of the depth measured in the anchor; returns its cost.
+  template <class Rows>
+  static double add_anchor(const InAnchor& point, const Observation& seen, Rows& rows) {
+    const InverseDepth<S>& depth = seen.depth.get();
+    if (!depth.valid) return 0;
+    const S r = anchor_depth_error(point, depth), w = std::sqrt(depth_loss.weight(r * r));
+    rows.template add<1>(Mat<S, 1, 1>(w / (depth.sigma * point.bearing.z())), Vec<S, 1>(w * r));
+    return double(depth_loss.rho(r * r)) / 2;
+  }
+  /// The anchor's pixel defines the point: it is no measurement that others could lean on.
+  template <class Rows>
+  static void add_anchor_tie(const InAnchor&, const Observation&, Rows&) {}
+
+  /// Weighted rows of the observation in `slot`, another frame than the anchor; returns their cost.
+  template <class Rows>
+  static double add_view(const Sensors& rig, const InAnchor& point, const Observation& seen, const RelativeView<S>& view,
+                         int slot, Rows& rows) {
+    const S lambda = point.inverse_range;
+    const Vec<S, 3> P = view.scaled_point(point.bearing, lambda);
+    const auto pixel = InverseDepthReprojection<Camera>{seen.uv.template cast<S>()}.linearize(rig.vision.camera, P);
+    if (!pixel.valid) return invalid_cost;
+    const Vec<S, 2> r = whitened(seen, pixel.r);
+    const S w = std::sqrt(pixel_loss.weight(r.squaredNorm()));
+    Mat<S, rows_per_view, 3> J_P;
+    Vec<S, rows_per_view> J_lambda, weighted;
+    for (int k = 0; k < 2; ++k) {
+      const S wL0 = w * S(seen.L(k, 0)), wL1 = w * S(seen.L(k, 1));
+      for (int c = 0; c < 3; ++c) J_P(k, c) = wL0 * pixel.J_r_P(0, c) + wL1 * pixel.J_r_P(1, c);
+      weighted[k] = w * r[k];
+    }
+    double cost = double(pixel_loss.rho(r.squaredNorm())) / 2;
+    bool has_depth = false;
+    if constexpr (Sensors::has_depth) {
+      const InverseDepth<S>& measured = seen.depth.get();
+      const auto depth = InverseDepthMeasurement<S>{measured.value}.linearize(P, lambda);
+      has_depth = measured.valid && depth.valid;
+      if (has_depth) {
+        const S r_z = depth.r[0] / measured.sigma, w_z = std::sqrt(depth_loss.weight(r_z * r_z)) / measured.sigma;
+        for (int c = 0; c < 3; ++c) J_P(2, c) = w_z * depth.J_r_P(0, c);
+        J_lambda[2] = w_z * depth.J_r_lambda[0];
+        weighted[2] = w_z * depth.r[0];
+        cost += double(depth_loss.rho(r_z * r_z)) / 2;
+      }
+    }
+    for (int k = 0; k < rows_per_view; ++k) {  // chained once for all rows that share P~
+      if (k >= 2 && !has_depth) break;
+      S by_lambda = S(0);
+      for (int c = 0; c < 3; ++c) by_lambda += J_P(k, c) * view.t_target_anchor()[c];
+      J_lambda[k] = (k < 2 ? S(0) : J_lambda[k]) + by_lambda;
+    }
+    if (!has_depth) {
+      add_top<2>(view, slot, P, lambda, J_P, J_lambda, weighted, rows);
+    } else {
+      add_top<rows_per_view>(view, slot, P, lambda, J_P, J_lambda, weighted, rows);
+    }
+    return cost;
+  }
+
+  template <class Rows>
+  static void add_damping(Rows&) {}
+
+  static double cost_in_anchor(const InAnchor& point, const Observation& seen) {
+    const InverseDepth<S>& depth = seen.depth.get();
+    if (!depth.valid) return 0;
+    const S r = anchor_depth_error(point, depth);
+    return double(depth_loss.rho(r * r)) / 2;
+  }
+  static double cost(const Sensors& rig, const InAnchor& point, const Observation& seen, const RelativeView<S>& view) {
+    const Errors errors = errors_of(rig, point, seen, view);
+    if (!errors.valid) return invalid_cost;
+    return double(pixel_loss.rho(errors.pixel.squaredNorm()) + depth_loss.rho(errors.depth * errors.depth)) / 2;
+  }
+
+  /// Drops what does not belong.
+  static void keep_fitting_in_anchor(const InAnchor&, Observation&) {}
+  static void keep_fitting(const Sensors& rig, const InAnchor& point, Observation& seen, const RelativeView<S>& view) {
+    const Errors errors = errors_of(rig, point, seen, view);
+    seen.valid = errors.valid && errors.pixel.squaredNorm() < drop_chi2;
+  }
+
+  // --------------------------------------------------------------------------------------------- in one frame
+
+  using Motion = FrameLayout<Sensors::rolls>;
+
+  struct InWorld {
+    Vec<S, 3> p_world;
+    Vec<S, 3> sigma_world;  ///< one standard deviation of the inverse range, as a move in the world
+    [[no_unique_address]] Present<Vec<S, 3>, Sensors::rolls> slope_world;  ///< d p_world / d readout [m/s]
+    Observation seen;
+  };
+  static InWorld in_world(const Geometry& point, const Observation&, const Observation& current,
+                          const SE3<S>& T_world_anchor) {
+    const Vec<S, 3> p_cam = middle(point);
+    const Vec<S, 3> sigma_cam = p_cam * (point.sigma_inverse_range / point.inverse_range);
+    const Vec<S, 3> slope_cam = point.bearing_slope.get() / point.inverse_range;
+    return {T_world_anchor * p_cam, T_world_anchor.rotation() * sigma_cam, {T_world_anchor.rotation() * slope_cam},
+            current};
+  }
+
+  static WhitenedRows<S, 2, Motion> pixel_rows(const Sensors& rig, const BodyView<S>& view, const InWorld& point) {
+    const Observation& seen = point.seen;
+    const auto lin =
+        PointReprojection<Camera>{seen.uv.template cast<S>()}.linearize(rig.vision.camera, view, point.p_world);
+    if (!lin.valid) return {};
+    const Mat<S, 2, 2> L = seen.L.template cast<S>();
+    const Vec<S, 2> j = L * (lin.J_r_point * point.sigma_world);
+    const S jj = j.squaredNorm();
+    Mat<S, 2, 2> W = L;
+    if (jj > S(1e-12)) {
+      const S shrink = (S(1) - S(1) / std::sqrt(S(1) + jj)) / jj;
+      for (int c = 0; c < 2; ++c) {
+        const S along = shrink * (j[0] * L(0, c) + j[1] * L(1, c));
+        for (int i = 0; i < 2; ++i) W(i, c) -= along * j[i];  // (10)
+      }
+    }
+    const Vec<S, 2> slope = lin.J_r_point * point.slope_world.get() - seen.uv_slope.get().template cast<S>();
+    return WhitenedRows<S, 2, Motion>::of(W, lin.r, lin.J_r_pose, slope);
+  }
+
+  /// Of the same residual, before it is whitened.
+  static double error_px(const Sensors& rig, const BodyView<S>& view, const InWorld& point) {
+    const auto lin = PointReprojection<Camera>{point.seen.uv.template cast<S>()}.linearize(rig.vision.camera, view,
+                                                                                            point.p_world);
+    return lin.valid ? double(lin.r.norm()) : 0;
+  }
+
+  static constexpr int depth_dim = 1;
+  static bool has_depth(const InWorld& point) { return point.seen.depth.get().valid; }
+  static WhitenedRows<S, depth_dim, Motion> depth_rows(const BodyView<S>& view, const InWorld& point) {
+    const InverseDepth<S>& measured = point.seen.depth.get();
+    const auto lin = PointInverseDepth<S>{measured.value}.linearize(view, point.p_world);
+    if (!lin.valid) return {};
+    S j = S(0), slope = S(0);
+    const Vec<S, 3>& slope_world = point.slope_world.get();
+    for (int c = 0; c < 3; ++c) {
+      j += lin.J_r_point(0, c) * point.sigma_world[c];
+      slope += lin.J_r_point(0, c) * slope_world[c];
+    }
+    const Mat<S, 1, 1> w(S(1) / std::sqrt(measured.sigma * measured.sigma + j * j));
+    return WhitenedRows<S, depth_dim, Motion>::of(w, lin.r, lin.J_r_pose, Vec<S, 1>(slope));
+  }
+
+ private:
+  static constexpr double invalid_cost = 100;  ///< of an observation that the current state cannot explain at all
+  static constexpr S drop_chi2 = S(25);        ///< whitened squared error beyond which an observation is an outlier
+
+  /// Whitened errors of one observation besides the anchor's.
+  struct Errors {
+    bool valid = false;
+    Vec<S, 2> pixel = Vec<S, 2>::Zero();
+    S depth = S(0);  ///< zero where none was measured
+  };
+
+  static Vec<S, 2> whitened(const Observation& seen, const Vec<S, 2>& r) {
+    return {S(seen.L(0, 0)) * r[0] + S(seen.L(0, 1)) * r[1], S(seen.L(1, 0)) * r[0] + S(seen.L(1, 1)) * r[1]};
+  }
+  static S anchor_depth_error(const InAnchor& point, const InverseDepth<S>& depth) {
+    return (point.inverse_range / point.bearing.z() - depth.value) / depth.sigma;
+  }
+  static Errors errors_of(const Sensors& rig, const InAnchor& point, const Observation& seen,
+                          const RelativeView<S>& view) {
+    const Vec<S, 3> P = view.scaled_point(point.bearing, point.inverse_range);
+    const Projection<S> projection = rig.vision.camera.project(P);
+    Errors out;
+    out.valid = projection.valid;
+    if (!out.valid) return out;
+    out.pixel = whitened(seen, Vec<S, 2>(projection.uv - seen.uv.template cast<S>()));
+    const InverseDepth<S>& depth = seen.depth.get();
+    if (depth.valid) out.depth = (point.inverse_range / P.z() - depth.value) / depth.sigma;
+    return out;
+  }
+
+  /// The first R rows, by the frame's pose and lambda.
+  template <int R, class Rows>
+  static void add_top(const RelativeView<S>& view, int slot, const Vec<S, 3>& P, S lambda,
+                      const Mat<S, rows_per_view, 3>& J_P, const Vec<S, rows_per_view>& J_lambda,
+                      const Vec<S, rows_per_view>& r, Rows& rows) {
+    Mat<S, R, 3> J_top;
+    Vec<S, R> J_lambda_top, r_top;
+    for (int k = 0; k < R; ++k) {
+      for (int c = 0; c < 3; ++c) J_top(k, c) = J_P(k, c);
+      J_lambda_top[k] = J_lambda[k];
+      r_top[k] = r[k];
+    }
+    rows.template add<R>(slot, view.template target_jacobian<R>(J_top, P, lambda), J_lambda_top, r_top);
+  }
+};
+
+}  // namespace plumbline

@@ -1,0 +1,41 @@
+#pragma once
+/// Where a point was seen in one frame.                                                       docs/math/point.md
+
+#include <cmath>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/present.hpp"
+#include "plumbline/sensor/depth_sensor.hpp"
+
+namespace plumbline {
+
+template <class S, bool has_depth, bool rolls>
+struct PointObservation {
+  bool valid = false;
+  Vec<float, 2> pixel = Vec<float, 2>::Zero();        ///< in the image [px]
+  Vec<float, 2> uv = Vec<float, 2>::Zero();           ///< in the middle of the frame, see RollingShutter [px]
+  Mat<float, 2, 2> L = Mat<float, 2, 2>::Identity();  ///< L^T L is the information of uv [1/px^2]
+  [[no_unique_address]] Present<Vec<float, 2>, rolls> uv_slope;         ///< d uv / d readout [px/s]
+  [[no_unique_address]] Present<InverseDepth<S>, has_depth> depth;      ///< of the pixel, where there is one
+
+  const Vec<float, 2>& place() const { return pixel; }
+  /// All errors are `scale` times those expected.
+  void scale_sigma(S scale) { L /= float(scale); }
+  /// The readout time turned out to be `change_s` longer.
+  void change_readout(S change_s) { uv += float(change_s) * uv_slope.get(); }
+};
+
+/// L of  Sigma = sigma_px^2 I + sigma_intensity^2 (J^T J)^-1,  the information that an alignment measured.       (11)
+/// Edges are known across and unknown along: what is not measured does not count.
+inline Mat<float, 2, 2> whitening_of(const Mat<float, 2, 2>& information_per_intensity, float sigma_px,
+                                     float sigma_intensity) {
+  const Mat<float, 2, 2>& A = information_per_intensity;
+  const float det = A(0, 0) * A(1, 1) - A(0, 1) * A(1, 0), q = sigma_intensity * sigma_intensity / det;
+  const float a = sigma_px * sigma_px + q * A(1, 1), b = -q * A(0, 1), c = sigma_px * sigma_px + q * A(0, 0);
+  const float det_sigma = a * c - b * b;  // Sigma = [a b; b c], L its inverse's Cholesky factor
+  Mat<float, 2, 2> L;
+  L << std::sqrt(c / det_sigma), -b / std::sqrt(c * det_sigma), 0.0f, 1.0f / std::sqrt(c);
+  return L;
+}
+
+}  // namespace plumbline

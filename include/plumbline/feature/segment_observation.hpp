@@ -1,0 +1,90 @@
+#pragma once
+/// Where a line was seen in one frame: the segment, its appearance, and the depth beside it.  docs/math/line.md
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/present.hpp"
+#include "plumbline/core/result.hpp"
+#include "plumbline/core/square_root_information.hpp"
+#include "plumbline/residual/line_observation.hpp"
+#include "plumbline/tracking/line_profile.hpp"
+#include "plumbline/tracking/line_segment.hpp"
+
+namespace plumbline {
+
+/// Covariance [px^2] of (9) at both ends of a segment through `peaks` places with independent errors of `rms_px` each,
+/// on top of `sigma_px` that no number of places averages out.                                               (28)
+inline Mat<float, 2, 2> endpoint_covariance(float sigma_px, float rms_px, float peaks) {
+  const float floor = sigma_px * sigma_px, q = rms_px * rms_px / peaks;
+  Mat<float, 2, 2> covariance;
+  covariance << floor + 4 * q, -2 * q, -2 * q, floor + 4 * q;
+  return covariance;
+}
+
+/// Two numbers of a line that were measured, at the start and at the end of its segment.
+template <class Measurement>
+struct SegmentMeasurement {
+  using S = typename Measurement::Scalar;
+
+  bool valid = false;
+  Measurement measured{Vec<S, 3>::Zero(), Vec<S, 3>::Zero(), Vec<S, 2>::Zero()};
+  Mat<S, 2, 2> covariance = Mat<S, 2, 2>::Zero();
+  Mat<S, 2, 2> L = Mat<S, 2, 2>::Zero();  ///< L^T L is its inverse
+
+  SegmentMeasurement() = default;
+  /// Not valid where the covariance is not positive definite.
+  SegmentMeasurement(const Measurement& measurement, const Mat<S, 2, 2>& covariance_of_it) {
+    const Result<Mat<S, 2, 2>> root = square_root_information(covariance_of_it);
+    valid = bool(root);
+    if (!valid) return;
+    measured = measurement;
+    covariance = covariance_of_it;
+    L = *root;
+  }
+};
+
+template <class S, bool depth_is_measured, bool rolls>
+struct SegmentObservation {
+  bool valid = false;
+  LineSegment segment;                             ///< in the image
+  LineProfile profile;                             ///< its appearance there
+  SegmentMeasurement<LineReprojection<S>> pixels;  ///< in the middle of the frame, see RollingShutter [px]
+  [[no_unique_address]] Present<Mat<S, 3, 2>, rolls> bearing_slope;  ///< d bearing/d readout of start and end [1/s]
+  [[no_unique_address]] Present<SegmentMeasurement<LineInverseDepth<S>>, depth_is_measured> depth;  ///< [1/m]
+
+  const LineSegment& place() const { return segment; }
+  bool has_depth() const { return depth.get().valid; }
+
+  /// Inverse depths at start and end [1/m]; none where the covariance is not positive definite.
+  void set_depth(const Vec<S, 2>& inverse_depth, const Mat<S, 2, 2>& covariance) {
+    const LineReprojection<S>& seen = pixels.measured;
+    if (!(seen.bearing_start.z() > S(0) && seen.bearing_end.z() > S(0))) return forget_depth();
+    depth.set({rays_with(seen, inverse_depth), covariance});
+  }
+  void forget_depth() { depth.set({}); }
+
+  /// All errors of the pixels are `scale` times those expected.
+  void scale_sigma(S scale) {
+    pixels.covariance *= scale * scale;
+    pixels.L /= scale;
+  }
+
+  /// The readout time turned out to be `change_s` longer.
+  void change_readout(S change_s) {
+    if (!valid) return;
+    const Mat<S, 3, 2>& slope = bearing_slope.get();
+    LineReprojection<S>& seen = pixels.measured;
+    seen.bearing_start = (seen.bearing_start + change_s * slope.col(0)).normalized();
+    seen.bearing_end = (seen.bearing_end + change_s * slope.col(1)).normalized();
+    if (!has_depth()) return;
+    SegmentMeasurement<LineInverseDepth<S>> moved = depth.get();
+    moved.measured = rays_with(seen, moved.measured.inverse_depth_measured);
+    depth.set(moved);
+  }
+
+ private:
+  static LineInverseDepth<S> rays_with(const LineReprojection<S>& seen, const Vec<S, 2>& inverse_depth) {
+    return {seen.bearing_start / seen.bearing_start.z(), seen.bearing_end / seen.bearing_end.z(), inverse_depth};
+  }
+};
+
+}  // namespace plumbline

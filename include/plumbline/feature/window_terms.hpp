@@ -1,0 +1,170 @@
+#pragma once
+/// What the landmarks of one kind add to a window's cost: their rows, eliminated one landmark at a time.
+///                                                                                          docs/math/window.md
+/// A kind may hold a landmark in a step by rows against what its views leave open (`add_damping`). That moves no minimum
+/// and never goes into a prior.
+
+#include <array>
+#include <cstddef>
+#include <utility>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/feature/landmark_store.hpp"
+#include "plumbline/feature/window_views.hpp"
+#include "plumbline/solver/landmark_elimination.hpp"
+#include "plumbline/state/layout.hpp"
+
+namespace plumbline {
+
+template <class Store>
+class WindowTerms {
+ public:
+  using Kind = typename Store::Kind;
+  using Sensors = typename Kind::Sensors;
+  using S = typename Kind::Scalar;
+  using Landmark = typename Store::Landmark;
+  static constexpr int slots = Store::slots;
+  using Views = WindowViews<S, slots>;
+  static constexpr int max_rows = Kind::rows_per_view * slots + Kind::damping_rows;
+  using Elimination = LandmarkElimination<S, Kind::dim, state::Pose::dim, slots, max_rows>;
+  using Pairs = typename Elimination::Pairs;
+
+  /// Linearizes all landmarks at the current state, adds their rows to `pairs` and returns their cost.
+  double linearize(const Sensors& rig, const Store& store, const auto& window, const Views& views, Pairs& pairs) {
+    double cost = 0;
+    for_each(store, [&](const Landmark& landmark, Elimination& rows) {
+      rows.reset();
+      if (!landmark.takes_part()) return;
+      cost += add_rows(rig, landmark, window, views, rows);
+      Kind::add_damping(rows);
+      rows.add_to(pairs);
+    });
+    return cost;
+  }
+
+  /// Eliminates all landmarks with damping `mu`: takes from the normal equations what `pairs` has too much.
+  template <class Equations>
+  bool eliminate(const Store& store, S mu, const Pairs& pairs, Equations& equations) {
+    for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
+      if (eliminations_[i].rows() == 0) continue;
+      if (!eliminations_[i].eliminate(mu, pairs)) return false;
+      eliminations_[i].subtract_from(equations);
+    }
+    return true;
+  }
+
+  /// The landmarks' steps that belong to the frames' step d, whose blocks are `stride` numbers long; returns what they
+  /// add to the predicted decrease.
+  template <class Vector>
+  double solve(const Store& store, const Vector& d, int stride) {
+    double predicted = 0;
+    for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
+      steps_[i].setZero();
+      if (eliminations_[i].rows() == 0) continue;
+      steps_[i] = eliminations_[i].back_substitute(d, stride);
+      predicted += eliminations_[i].predicted_decrease(steps_[i]);
+    }
+    return predicted;
+  }
+
+  /// Makes those steps; `restore` takes them back.
+  void step(Store& store) {
+    for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
+      Landmark& landmark = store.landmarks()[i];
+      backup_[i] = landmark.geometry;
+      if (landmark.takes_part()) Kind::step(landmark.geometry, steps_[i]);
+    }
+  }
+  void restore(Store& store) const {
+    for (std::size_t i = 0; i < store.landmarks().size(); ++i) store.landmarks()[i].geometry = backup_[i];
+  }
+
+  /// The cost alone, at the current state.
+  double cost(const Sensors& rig, const Store& store, const auto& window, const Views& views) const {
+    double sum = 0;
+    for (const Landmark& landmark : store.landmarks()) {
+      if (!landmark.takes_part()) continue;
+      const typename Kind::InAnchor in_anchor(landmark.geometry);
+      for (int slot = 0; slot < slots; ++slot) {
+        const auto& seen = landmark.observations[slot];
+        if (!seen.valid || !window[slot].used) continue;
+        sum += slot == landmark.anchor ? Kind::cost_in_anchor(in_anchor, seen)
+                                       : Kind::cost(rig, in_anchor, seen, views(landmark.anchor, slot));
+      }
+    }
+    return sum;
+  }
+
+  /// After convergence: drops observations that do not belong and landmarks that came to nothing, and gives the others
+  /// their covariance, the frames being given.
+  void finish(const Sensors& rig, Store& store, const auto& window, const Views& views) {
+    for_each(store, [&](Landmark& landmark, Elimination& rows) {
+      if (!landmark.takes_part()) return;
+      const typename Kind::InAnchor in_anchor(landmark.geometry);
+      for (int slot = 0; slot < slots; ++slot) {
+        auto& seen = landmark.observations[slot];
+        if (!seen.valid || !window[slot].used) continue;
+        if (slot == landmark.anchor) {
+          Kind::keep_fitting_in_anchor(in_anchor, seen);
+        } else {
+          Kind::keep_fitting(rig, in_anchor, seen, views(landmark.anchor, slot));
+        }
+      }
+      add_rows(rig, landmark, window, views, rows);
+      Kind::add_damping(rows);
+      Mat<S, Kind::dim, Kind::dim> covariance;
+      const bool known = rows.covariance(covariance);
+      if (!Kind::settle(landmark.geometry, landmark.seen_by_anchor(), known ? &covariance : nullptr)) {
+        landmark.located = landmark.current.valid = false;
+      }
+    });
+  }
+
+  /// Gives `take` what would be lost with the frame in `slot`, landmark by landmark: all rows of those anchored in it; of
+  /// the others, which stay, the rows of their observation there, with a landmark of its own. That forgets how the
+  /// observation refined the landmark, but not how it ties the two frames together. Residuals are those of the current
+  /// state.
+  void for_each_leaving(int slot, const Sensors& rig, const Store& store, const auto& window, const Views& views,
+                        auto&& take) {
+    for_each(store, [&](const Landmark& landmark, Elimination& rows) {
+      if (!landmark.takes_part()) return;
+      if (landmark.anchor == slot) {
+        add_rows(rig, landmark, window, views, rows);
+      } else {
+        const auto& seen = landmark.observations[slot];
+        if (!seen.valid) return;
+        const typename Kind::Linearized linearized(landmark.geometry);
+        rows.reset(landmark.anchor);
+        Kind::add_anchor_tie(linearized, landmark.seen_by_anchor(), rows);
+        Kind::add_view(rig, linearized, seen, views(landmark.anchor, slot), slot, rows);
+      }
+      if (rows.rows() > 0) take(std::as_const(rows));
+    });
+  }
+
+ private:
+  void for_each(auto& store, auto&& visit) {
+    for (std::size_t i = 0; i < store.landmarks().size(); ++i) visit(store.landmarks()[i], eliminations_[i]);
+  }
+
+  /// All rows of one landmark, whitened and weighted. Returns their cost.
+  double add_rows(const Sensors& rig, const Landmark& landmark, const auto& window, const Views& views,
+                  Elimination& rows) const {
+    const typename Kind::Linearized linearized(landmark.geometry);
+    rows.reset(landmark.anchor);
+    double cost = 0;
+    for (int slot = 0; slot < slots; ++slot) {
+      const auto& seen = landmark.observations[slot];
+      if (!seen.valid || !window[slot].used) continue;
+      cost += slot == landmark.anchor ? Kind::add_anchor(linearized, seen, rows)
+                                      : Kind::add_view(rig, linearized, seen, views(landmark.anchor, slot), slot, rows);
+    }
+    return cost;
+  }
+
+  std::array<Elimination, Store::capacity> eliminations_;
+  std::array<Vec<S, Kind::dim>, Store::capacity> steps_;
+  std::array<typename Kind::Geometry, Store::capacity> backup_;
+};
+
+}  // namespace plumbline

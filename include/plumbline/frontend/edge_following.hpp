@@ -1,0 +1,212 @@
+#pragma once
+/// Lines by the edge that their image shows: it is looked for where the predicted pose sees the line, and again, nearer,
+/// once the pose is known. A line is known from the depth beside it, or from the planes of keyframes with parallax. Two
+/// lines on one edge are one, the older.                                                     docs/math/line.md
+///
+/// Lines do not vote for the pose: three of them give one, but a wrong one as easily. What does not fit is gated.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include "plumbline/core/fixed_vector.hpp"
+#include "plumbline/feature/landmark_store.hpp"
+#include "plumbline/feature/line_kind.hpp"
+#include "plumbline/feature/view.hpp"
+#include "plumbline/frontend/line_location.hpp"
+#include "plumbline/frontend/visible_segment.hpp"
+#include "plumbline/sensor/line_depth_measurement.hpp"
+#include "plumbline/tracking/edge_map.hpp"
+#include "plumbline/tracking/line_detector.hpp"
+#include "plumbline/tracking/line_tracking.hpp"
+
+namespace plumbline {
+
+struct EdgeFollowingOptions {
+  float sigma_px = 0.4f;      ///< of an endpoint across the segment, however long and sharp the edge
+  float peak_spacing_px = 4;  ///< of peaks along the edge that err independently
+  int target_count = 60;      ///< segments are detected until this many landmarks are in sight
+  float search_again_px = 5;  ///< across the edge, once the pose is known
+  LineDetectorOptions detector;
+  LineTrackingOptions tracking;
+  LineDepthSampling depth;
+  LineTriangulationOptions triangulation;
+};
+
+template <class Store, LineDetector Detector = LineSegmentDetector<>>
+class EdgeFollowing {
+ public:
+  using Kind = typename Store::Kind;
+  using Sensors = typename Kind::Sensors;
+  using S = typename Kind::Scalar;
+  using Landmark = typename Store::Landmark;
+  using Observation = typename Kind::Observation;
+  using Options = EdgeFollowingOptions;
+  static constexpr bool votes = false;
+
+  explicit EdgeFollowing(const Options& options) : options_(options) {}
+
+  void follow(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_predicted) {
+    has_edges_ = edges_.compute(view.current.level(0), options_.detector.min_gradient);
+    const SE3<S> T_cam_world = (T_world_predicted * view.T_body_cam).inverse();
+    const SO3<S> R_cam_previous = T_cam_world.rotation() * (view.T_world_previous * view.T_body_cam).rotation();
+    for (Landmark& landmark : store.landmarks()) {
+      if (!landmark.current.valid) continue;
+      remember_appearance(landmark);
+      landmark.current.valid = false;
+      LineSegment guess;
+      const LineReprojection<S>& before = landmark.previous.pixels.measured;
+      const bool visible = landmark.located ? predicted_segment(view, window, landmark, T_cam_world, guess)
+                                            : visible_segment(view, Vec<S, 3>(R_cam_previous * before.bearing_start),
+                                                              Vec<S, 3>(R_cam_previous * before.bearing_end), guess);
+      if (visible) look_for(view, landmark, guess, options_.tracking);
+      if (!landmark.current.valid) ++landmark.misses;
+    }
+    drop_duplicates(store);
+  }
+
+  void refine(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
+    const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
+    LineTrackingOptions near = options_.tracking;
+    near.search_px = options_.search_again_px;
+    for (Landmark& landmark : store.landmarks()) {
+      if (!landmark.located) continue;
+      LineSegment guess;
+      if (predicted_segment(view, window, landmark, T_cam_world, guess)) {
+        const Observation before = landmark.current;
+        look_for(view, landmark, guess, near);
+        if (!landmark.current.valid && before.valid) landmark.current = before;
+        if (!landmark.current.valid) ++landmark.misses;
+      }
+      if (!landmark.current.valid) continue;
+      const LineReprojection<S>& seen = landmark.current.pixels.measured;
+      landmark.geometry.set_extent(T_cam_world * T_world_anchor(landmark, window, view.T_body_cam), seen.bearing_start,
+                                   seen.bearing_end);
+    }
+    drop_duplicates(store);
+  }
+
+  void locate(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
+    for (Landmark& landmark : store.landmarks()) {
+      if (landmark.located || !landmark.current.valid || !landmark.seen_by_anchor().valid) continue;
+      const SE3<S> T_world_anchor_body = window.T_world_body(landmark.anchor);
+      locate_line(landmark, {T_world_anchor_body, T_world_body, view.T_body_cam}, options_.triangulation,
+                  (T_world_body * view.T_body_cam).inverse() * (T_world_anchor_body * view.T_body_cam));
+    }
+  }
+
+  /// New landmarks from segments that are no part of one in sight. The keyframe becomes the anchor of lines that its
+  /// depth locates.
+  void detect(const View<Sensors>& view, const auto& /*window*/, Store& store, int slot) {
+    for (Landmark& landmark : store.landmarks()) {
+      if (!landmark.located && landmark.current.valid && landmark.current.has_depth()) locate_in_frame(landmark, slot);
+    }
+    const ImageView<const std::uint8_t>& image = view.current.level(0);
+    if (!has_edges_) has_edges_ = edges_.compute(image, options_.detector.min_gradient);
+    if (!has_edges_) return;
+    detector_.detect(image, edges_, options_.detector, detected_);
+    has_edges_ = false;  // the detector may have taken their pixels
+    segments_.clear();
+    for (const Landmark& landmark : store.landmarks()) {
+      if (landmark.current.valid) segments_.push_back(landmark.current.segment);
+    }
+    for (const LineSegment& segment : detected_) {
+      if (static_cast<int>(segments_.size()) >= options_.target_count) break;
+      const auto is_known = [&](const LineSegment& known) { return are_one(segment, known, options_.detector.merge); };
+      if (std::any_of(segments_.begin(), segments_.end(), is_known)) continue;
+      Landmark landmark;
+      observe(view, tracker_.track(edges_, image, profile_of(image, segment), segment, options_.tracking),
+              landmark.current);
+      if (!landmark.current.valid) continue;
+      landmark.observations[static_cast<std::size_t>(slot)] = landmark.current;
+      remember_appearance(landmark);
+      if (landmark.current.has_depth()) locate_in_frame(landmark, slot);
+      if (!store.add(landmark, slot)) break;
+      segments_.push_back(landmark.current.segment);
+    }
+  }
+
+ private:
+  /// Of the anchor's camera.
+  static SE3<S> T_world_anchor(const Landmark& landmark, const auto& window, const SE3<S>& T_body_cam) {
+    return window.T_world_body(landmark.anchor) * T_body_cam;
+  }
+
+  static bool predicted_segment(const View<Sensors>& view, const auto& window, const Landmark& landmark,
+                                const SE3<S>& T_cam_world, LineSegment& out) {
+    const SE3<S> T_cam_anchor = T_cam_world * T_world_anchor(landmark, window, view.T_body_cam);
+    const auto& line = landmark.geometry;
+    return visible_segment(view, Vec<S, 3>(T_cam_anchor * line.at(line.extent[0])),
+                           Vec<S, 3>(T_cam_anchor * line.at(line.extent[1])), out);
+  }
+
+  static void remember_appearance(Landmark& landmark) {
+    landmark.appearance = {landmark.current.profile, landmark.current.segment.gradient};
+  }
+
+  void look_for(const View<Sensors>& view, Landmark& landmark, LineSegment guess, const LineTrackingOptions& tracking) {
+    guess.gradient = landmark.appearance.gradient;
+    observe(view, tracker_.track(edges_, view.current.level(0), landmark.appearance.profile, guess, tracking),
+            landmark.current);
+    if (landmark.current.valid) landmark.misses = 0;
+  }
+
+  void observe(const View<Sensors>& view, const TrackedLine& tracked, Observation& out) const {
+    out.valid = false;
+    if (!tracked.valid) return;
+    const Vec<S, 2> start = tracked.segment.start.template cast<S>(), end = tracked.segment.end.template cast<S>();
+    const LineObservation<S> seen = observe_line(view.camera(), view.shutter.still(start).uv, view.shutter.still(end).uv);
+    if (!seen.valid) return;
+    const float peaks = std::max(1.0f, tracked.support * tracked.segment.length() / options_.peak_spacing_px);
+    const SegmentMeasurement<LineReprojection<S>> pixels(
+        seen.reprojection, endpoint_covariance(options_.sigma_px, tracked.rms_px, peaks).template cast<S>());
+    out.valid = pixels.valid;
+    if (!out.valid) return;
+    out.pixels = pixels;
+    out.segment = tracked.segment;
+    out.profile = tracked.profile;
+    if constexpr (Sensors::rolls) {
+      Mat<S, 3, 2> slope;
+      slope << view.shutter.bearing_slope(start, seen.reprojection.bearing_start),
+          view.shutter.bearing_slope(end, seen.reprojection.bearing_end);
+      out.bearing_slope.set(slope);
+    }
+    out.forget_depth();
+    if constexpr (Sensors::has_depth) {
+      const LineDepth<S> depth = measure_line_depth(view.camera(), view.rig.vision.depth, view.depth,
+                                                    tracked.segment.start, tracked.segment.end, options_.depth);
+      if (depth.valid) out.set_depth(depth.inverse_depth, depth.covariance);
+    }
+  }
+
+  /// Two lines on one edge are one: located ones first, then by age.
+  void drop_duplicates(Store& store) {
+    order_.clear();
+    segments_.clear();
+    for (Landmark& landmark : store.landmarks()) {
+      if (landmark.current.valid) order_.push_back(&landmark);
+    }
+    std::sort(order_.begin(), order_.end(), [](const Landmark* a, const Landmark* b) {
+      return a->located != b->located ? a->located : a->id < b->id;
+    });
+    for (const Landmark* landmark : order_) segments_.push_back(landmark->current.segment);
+    mark_duplicates(segments_, duplicate_);
+    for (std::size_t i = 0; i < order_.size(); ++i) {
+      if (duplicate_[i]) order_[i]->current.valid = false;
+    }
+  }
+
+  Options options_;
+  EdgeMap<decltype(Sensors::vision)::max_pixels> edges_;
+  bool has_edges_ = false;  ///< of the current frame, not yet taken by the detector
+  LineTracker tracker_;
+  Detector detector_;
+  FixedVector<LineSegment, 300> detected_;
+  FixedVector<LineSegment, Store::capacity> segments_;  ///< scratch
+  FixedVector<Landmark*, Store::capacity> order_;
+  std::array<bool, Store::capacity> duplicate_;
+};
+
+}  // namespace plumbline

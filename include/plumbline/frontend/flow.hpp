@@ -1,0 +1,38 @@
+#pragma once
+/// Front-end policy: points by optical flow, lines by their edges; a kind of one's own by the front end that it brings
+/// (`template <class Store> using FrontEnd`).
+
+#include "plumbline/feature/lines.hpp"
+#include "plumbline/feature/points.hpp"
+#include "plumbline/feature/start_points.hpp"
+#include "plumbline/frontend/edge_following.hpp"
+#include "plumbline/frontend/point_flow.hpp"
+#include "plumbline/frontend/start_flow.hpp"
+
+namespace plumbline {
+
+namespace detail {
+template <class Entry, class Store>
+struct FlowOf {
+  using Type = typename Entry::template FrontEnd<Store>;
+};
+template <int N, class Store>
+struct FlowOf<Points<N>, Store> {
+  using Type = PointFlow<Store>;
+};
+template <int N, class Store>
+struct FlowOf<StartPoints<N>, Store> {
+  using Type = StartFlow<Store>;
+};
+template <int N, class Detector, class Store>
+struct FlowOf<Lines<N, Detector>, Store> {
+  using Type = EdgeFollowing<Store, Detector>;
+};
+}  // namespace detail
+
+struct Flow {
+  template <class Entry, class Store>
+  using Of = typename detail::FlowOf<Entry, Store>::Type;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,76 @@
+#pragma once
+/// The image of a frame beside the one that it is compared with.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/feature/view.hpp"
+#include "plumbline/lie/se3.hpp"
+#include "plumbline/sensor/rig.hpp"
+#include "plumbline/tracking/rotation_alignment.hpp"
+
+namespace plumbline {
+
+template <SensorRig Sensors>
+class ImagePair {
+ public:
+  using S = typename Sensors::Scalar;
+  using Frame = typename Sensors::Frame;
+
+  explicit ImagePair(const RotationAlignmentOptions& options) : options_(options) {}
+
+  static bool has_right_size(const Sensors& rig, const Frame& frame) {
+    if (frame.gray.width != rig.vision.width || frame.gray.height != rig.vision.height) return false;
+    if constexpr (Sensors::has_depth) {
+      const auto& depth = frame.depth;
+      return depth.empty() || (depth.width == frame.gray.width && depth.height == frame.gray.height);
+    }
+    return true;
+  }
+
+  /// Takes in the image of a new frame. False when it is too small or too large.
+  bool see(const Frame& frame) { return pyramids_[1 - kept_].build(frame.gray); }
+
+  /// The new frame beside the kept one.
+  View<Sensors> view(const Sensors& rig, const Frame& frame, const SE3<S>& T_body_cam, S readout_s, S dt) const {
+    const auto depth = [&]() -> ImageView<const std::uint16_t> {
+      if constexpr (Sensors::has_depth) return frame.depth;
+      return {};
+    };
+    return {frame.t_ns, dt,      rig,           pyramids_[kept_], pyramids_[1 - kept_],
+            depth(),    T_world_kept_, T_body_cam, {rig.vision.camera, rig.vision.height, readout_s}};
+  }
+
+  /// The new image is the one that the next is compared with.
+  void keep(const View<Sensors>& view, const SE3<S>& T_world_body) {
+    kept_ = &view.current == &pyramids_[0] ? 0 : 1;
+    T_world_kept_ = T_world_body;
+  }
+
+  /// Rotation of the camera from the previous to the current image by their coarsest pixels, begun at `guess` and at
+  /// rest.
+  RotationAlignment<S> align_rotation(const View<Sensors>& view, const SO3<S>& guess) {
+    thumbnail_.build(view.previous);
+    rotation_.set_previous(view.camera(), thumbnail_);
+    thumbnail_.build(view.current);
+    RotationAlignment<S> best = rotation_.align(view.camera(), thumbnail_, guess, options_);
+    const RotationAlignment<S> still = rotation_.align(view.camera(), thumbnail_, SO3<S>(), options_);
+    if (still.valid && (!best.valid || still.cost < best.cost)) best = still;
+    return best;
+  }
+
+ private:
+  static constexpr std::size_t thumbnail_pixels = decltype(Sensors::vision)::max_pixels >>
+                                                  (2 * RigPyramid<Sensors>::levels);
+
+  RotationAlignmentOptions options_;
+  std::array<RigPyramid<Sensors>, 2> pyramids_;
+  int kept_ = 0;
+  SE3<S> T_world_kept_;
+  Thumbnail<thumbnail_pixels> thumbnail_;
+  RotationAligner<typename Sensors::Camera, thumbnail_pixels> rotation_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,108 @@
+#pragma once
+/// Where a line is: from the depth beside it, or from the planes of two views with parallax.  docs/math/line.md
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/feature/landmark.hpp"
+#include "plumbline/geometry/line_depth.hpp"
+#include "plumbline/geometry/line_triangulation.hpp"
+#include "plumbline/residual/anchored_line.hpp"
+#include "plumbline/residual/relative_view.hpp"
+#include "plumbline/solver/gauss_newton.hpp"
+
+namespace plumbline {
+
+namespace detail {
+
+/// A line in its anchor's camera becomes the landmark's, if it is sound.
+template <class Landmark, class S>
+void adopt_line(Landmark& landmark, const Line3<S>& line, const Mat<S, 4, 4>& covariance) {
+  const LineReprojection<S>& seen = landmark.seen_by_anchor().pixels.measured;
+  landmark.geometry.line = line;
+  landmark.geometry.covariance = covariance;
+  landmark.geometry.set_extent(SE3<S>(), seen.bearing_start, seen.bearing_end);
+  landmark.located = landmark.seen_by_anchor().valid && landmark.geometry.is_sound(seen);
+}
+
+/// Rows of what the anchor measured, by the line.
+template <class Measurement>
+void add_in_anchor(const SegmentMeasurement<Measurement>& seen, const Line3<typename Measurement::Scalar>& line,
+                   DenseNormalEquations<double, 4>& system) {
+  const auto lin = AnchoredLine<Measurement>{seen.measured}.linearize_in_anchor(line);
+  if (lin.valid) system.add(product(seen.L, lin.J_r_line), product(seen.L, lin.r), 1.0);
+}
+/// The same of another frame.
+template <class Measurement, class S>
+void add_in_target(const SegmentMeasurement<Measurement>& seen, const RelativeView<S>& view, const Line3<S>& line,
+                   DenseNormalEquations<double, 4>& system) {
+  const auto lin = AnchoredLine<Measurement>{seen.measured}.linearize(view, line);
+  if (lin.valid) system.add(product(seen.L, lin.J_r_lambda), product(seen.L, lin.r), 1.0);
+}
+
+}  // namespace detail
+
+/// The line from the depth measured by the frame in `slot`, which becomes its anchor.
+template <class Landmark>
+void locate_in_frame(Landmark& landmark, int slot) {
+  using S = typename Landmark::Kind::Scalar;
+  const auto& seen = landmark.observations[static_cast<std::size_t>(slot)];
+  const auto& depth = seen.depth.get();
+  const Line3<S> line =
+      line_from_depth(depth.measured.m_start, depth.measured.m_end, depth.measured.inverse_depth_measured);
+  DenseNormalEquations<double, 4> system;
+  detail::add_in_anchor(seen.pixels, line, system);
+  detail::add_in_anchor(depth, line, system);
+  Mat<double, 4, 4> covariance;
+  if (!system.covariance(covariance)) return;
+  landmark.anchor = slot;
+  detail::adopt_line(landmark, line, Mat<S, 4, 4>(covariance.template cast<S>()));
+}
+
+/// The line from its edge in the anchor, and edge and depth in the latest frame; or, without depth, from the two planes.
+template <class Landmark, class S>
+void locate_line(Landmark& landmark, const RelativeView<S>& latest, const LineTriangulationOptions& options,
+                 const SE3<S>& T_latest_anchor) {
+  const auto &in_anchor = landmark.seen_by_anchor(), &seen = landmark.current;
+  if (const auto& depth = seen.depth.get(); depth.valid) {
+    const Vec<S, 2>& inverse_depth = depth.measured.inverse_depth_measured;
+    const Mat<S, 3, 3> R_anchor_latest = latest.R_target_anchor().transpose();
+    const auto to_anchor = [&](const Vec<S, 3>& p) {
+      return Vec<S, 3>(R_anchor_latest * (p - latest.t_target_anchor()));
+    };
+    Line3<S> line = Line3<S>::through(to_anchor(depth.measured.m_start / inverse_depth[0]),
+                                      to_anchor(depth.measured.m_end / inverse_depth[1]));
+    Mat<double, 4, 4> covariance;
+    bool found = true;
+    for (int iteration = 0; iteration < 3 && found; ++iteration) {
+      DenseNormalEquations<double, 4> system;
+      Vec<double, 4> step;
+      detail::add_in_anchor(in_anchor.pixels, line, system);
+      detail::add_in_target(seen.pixels, latest, line, system);
+      detail::add_in_target(depth, latest, line, system);
+      found = system.solve(step) && system.covariance(covariance);
+      if (found) line = line.plus(Vec<S, 4>(step.template cast<S>()));
+    }
+    const AnchoredLine<LineReprojection<S>> pixels{in_anchor.pixels.measured};
+    if (found) {
+      const Vec<S, 2> r = product(in_anchor.pixels.L, pixels.linearize_in_anchor(line).r);
+      if (r.squaredNorm() < S(13.8)) {  // 99.9 %, as in the window
+        detail::adopt_line(landmark, line, Mat<S, 4, 4>(covariance.template cast<S>()));
+      }
+    }
+  }
+  if (landmark.located) return;
+  const auto plane_of = [](const auto& observation, const SE3<S>& T_cam_anchor) {
+    const LineReprojection<S>& pixels = observation.pixels.measured;
+    return LineTriangulationView<S>{T_cam_anchor, pixels.bearing_start, pixels.bearing_end,
+                                    std::sqrt(observation.pixels.covariance(0, 0)) * 2 / pixels.px_per_rad.sum()};
+  };
+  const std::array<LineTriangulationView<S>, 2> views{plane_of(in_anchor, SE3<S>()), plane_of(seen, T_latest_anchor)};
+  const auto found = triangulate_line(std::span<const LineTriangulationView<S>>(views), options);
+  if (found.valid) detail::adopt_line(landmark, found.line, found.covariance);
+}
+
+}  // namespace plumbline

@@ -1,0 +1,234 @@
+#pragma once
+/// Points by optical flow and by their pixels in the anchor: flow finds them whatever the motion, the anchor's pixels,
+/// warped as the estimated motion says, keep them from sliding. Landmarks out of sight stay in the store and are looked
+/// for where the estimated pose puts them.                              docs/math/tracking.md, docs/math/point.md
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "plumbline/core/fixed_vector.hpp"
+#include "plumbline/feature/landmark_store.hpp"
+#include "plumbline/feature/point_kind.hpp"
+#include "plumbline/feature/view.hpp"
+#include "plumbline/geometry/pose_ransac.hpp"
+#include "plumbline/geometry/triangulation.hpp"
+#include "plumbline/tracking/corner_detector.hpp"
+#include "plumbline/tracking/feature_alignment.hpp"
+#include "plumbline/tracking/optical_flow.hpp"
+
+namespace plumbline {
+
+struct PointFlowOptions {
+  double sigma_px = 0.35;       ///< of an aligned observation with all the texture one could wish
+  double sigma_intensity = 15;  ///< of a pixel, correlated errors of a whole patch included
+  double sigma_flow_px = 1.0;   ///< of a frame-to-frame observation
+  int target_count = 180;       ///< corners are detected until this many landmarks are in sight
+  int max_searches = 200;       ///< landmarks out of track that one frame looks for
+  float max_drift_px = 2.0f;    ///< flow and alignment with the anchor may differ by this much
+  OpticalFlowOptions flow;
+  AlignmentOptions alignment;
+  CornerOptions corners;
+  TriangulationOptions triangulation;
+};
+
+template <class Store>
+class PointFlow {
+ public:
+  using Kind = typename Store::Kind;
+  using Sensors = typename Kind::Sensors;
+  using S = typename Kind::Scalar;
+  using Landmark = typename Store::Landmark;
+  using Options = PointFlowOptions;
+  static constexpr bool votes = true;
+  static constexpr bool relates_two_views = true;  ///< by for_each_pair
+
+  explicit PointFlow(const Options& options) : options_(options) {}
+
+  void follow(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_predicted) {
+    const SE3<S> T_cam_world = (T_world_predicted * view.T_body_cam).inverse();
+    const SO3<S> R_cam_previous = T_cam_world.rotation() * (view.T_world_previous * view.T_body_cam).rotation();
+    for (Landmark& landmark : store.landmarks()) {
+      if (!landmark.current.valid) continue;
+      const Vec<float, 2> pixel = landmark.current.pixel;
+      Vec<S, 3> p_cam;
+      if (landmark.located) {
+        p_cam = T_cam_world * p_world(landmark, window, view.T_body_cam);
+      } else {
+        p_cam = R_cam_previous * view.camera().unproject(landmark.current.uv.template cast<S>()).bearing;
+      }
+      const Projection<S> predicted = view.camera().project(p_cam);
+      Vec<float, 2> guess = pixel;
+      if (predicted.valid) {
+        const Vec<S, 2> seen = view.shutter.seen(predicted.uv);
+        if (inside(view, seen, 0)) guess = seen.template cast<float>();
+      }
+      const FlowResult flow = track_point_checked(view.previous, view.current, pixel, guess, options_.flow);
+      observe(view, landmark, flow.valid, flow.uv);
+    }
+  }
+
+  /// Gives take(index, correspondence) of every located landmark that the frame sees.
+  void for_each_correspondence(const View<Sensors>& view, const auto& window, const Store& store, auto&& take) const {
+    const S sigma_rad = S(options_.sigma_flow_px) / effective_focal_length(view.camera());
+    for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
+      const Landmark& landmark = store.landmarks()[i];
+      if (!landmark.current.valid || !landmark.located) continue;
+      const Unprojection<S> ray = view.camera().unproject(landmark.current.uv.template cast<S>());
+      if (!ray.valid) continue;
+      PoseCorrespondence<S> correspondence{ray.bearing, p_world(landmark, window, view.T_body_cam), sigma_rad};
+      if (const InverseDepth<S>& depth = landmark.current.depth.get(); depth.valid) {
+        correspondence.inverse_depth = depth.value;
+        correspondence.sigma_inverse_depth = std::hypot(depth.sigma, landmark.geometry.sigma_inverse_range);
+      }
+      take(static_cast<int>(i), correspondence);
+    }
+  }
+
+  void refine(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
+    const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
+    int searches = 0;
+    // Which landmarks get searched for rotates, so that none is left out for ever.
+    auto& landmarks = store.landmarks();
+    const std::size_t n = landmarks.size();
+    for (std::size_t k = 0; k < n; ++k) {
+      Landmark& landmark = landmarks[(k + first_search_) % n];
+      if (!landmark.located) continue;
+      const bool tracked = landmark.current.valid;
+      if (!tracked && searches >= options_.max_searches) continue;
+      const SE3<S> T_cam_anchor = T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam);
+      const Projection<S> predicted = view.camera().project(T_cam_anchor * Kind::middle(landmark.geometry));
+      if (!predicted.valid) continue;
+      const Vec<S, 2> seen = view.shutter.seen(predicted.uv);
+      if (!inside(view, seen, border_px)) continue;
+      if (!tracked) ++searches;
+      const auto& point = landmark.geometry;
+      const Mat<float, 2, 2> A =
+          affine_warp(view.camera(), view.camera(), point.bearing, S(1) / point.inverse_range, T_cam_anchor);
+      const Vec<float, 2> start = tracked ? landmark.current.pixel : seen.template cast<float>();
+      AlignmentOptions alignment = options_.alignment;
+      alignment.coarse_start = !tracked;
+      const Alignment aligned = align_patch(landmark.appearance, A, view.current, start, alignment);
+      if (tracked) {
+        if (!aligned.valid || !((aligned.uv - start).norm() < options_.max_drift_px)) continue;
+      }
+      observe(view, landmark, aligned.valid, aligned.uv);
+      if (aligned.valid) {
+        landmark.current.L =
+            whitening_of(aligned.information_per_intensity, float(options_.sigma_px), float(options_.sigma_intensity));
+      }
+    }
+    if (n > 0) first_search_ = (first_search_ + static_cast<std::size_t>(options_.max_searches)) % n;
+  }
+
+  /// By the frame's depth, or by parallax where there is enough.
+  void locate(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
+    const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
+    const S sigma_rad = S(options_.sigma_flow_px) / effective_focal_length(view.camera());
+    for (Landmark& landmark : store.landmarks()) {
+      if (landmark.located || !landmark.current.valid) continue;
+      const Unprojection<S> ray = view.camera().unproject(landmark.current.uv.template cast<S>());
+      if (!ray.valid) continue;
+      const SE3<S> T_cam_anchor = T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam);
+      locate_from_depth(landmark, ray.bearing, T_cam_anchor);
+      if (landmark.located) continue;
+      const std::array<TriangulationView<S>, 1> views{{{T_cam_anchor, ray.bearing, sigma_rad}}};
+      const Triangulation<S> found = triangulate<S>(landmark.geometry.bearing, views, options_.triangulation);
+      if (!found.valid) continue;
+      landmark.located = true;
+      landmark.geometry.inverse_range = found.inverse_range;
+      landmark.geometry.sigma_inverse_range = std::sqrt(found.variance);
+    }
+  }
+
+  /// New landmarks from corners, beside those in sight; and those without depth so far, by the keyframe's.
+  void detect(const View<Sensors>& view, const auto& window, Store& store, int slot) {
+    const SE3<S> T_world_cam = window.T_world_body(slot) * view.T_body_cam, T_cam_world = T_world_cam.inverse();
+    for (Landmark& landmark : store.landmarks()) {
+      if (landmark.located || !landmark.current.valid) continue;
+      const Unprojection<S> ray = view.camera().unproject(landmark.current.uv.template cast<S>());
+      if (!ray.valid) continue;
+      locate_from_depth(landmark, ray.bearing,
+                        T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam));
+    }
+    in_sight_.clear();
+    for (const Landmark& landmark : store.landmarks()) {
+      if (landmark.current.valid) in_sight_.push_back(landmark.current.pixel);
+    }
+    corners_.clear();
+    detect_corners(view.current.level(0), in_sight_.data(), in_sight_.size(), options_.corners, corners_);
+    int missing = options_.target_count - static_cast<int>(in_sight_.size());
+    for (const Corner& corner : corners_) {
+      if (missing <= 0) break;
+      Landmark landmark;
+      observe(view, landmark, true, corner.uv);
+      const Unprojection<S> ray = view.camera().unproject(landmark.current.uv.template cast<S>());
+      if (!ray.valid || !landmark.appearance.capture(view.current, corner.uv)) continue;
+      auto& point = landmark.geometry;
+      point.bearing = ray.bearing;
+      point.bearing_slope.set(view.shutter.bearing_slope(corner.uv.template cast<S>(), ray.bearing));
+      if (const InverseDepth<S>& depth = landmark.current.depth.get(); depth.valid) {
+        landmark.located = true;
+        point.inverse_range = depth.value * ray.bearing.z();
+        point.sigma_inverse_range = depth.sigma * ray.bearing.z();
+      }
+      if (!store.add(landmark, slot)) break;
+      --missing;
+    }
+  }
+
+  /// Gives visit(bearing in the anchor, bearing now) of every landmark anchored in `slot` that the frame sees.
+  void for_each_pair(const View<Sensors>& view, const Store& store, int slot, auto&& visit) const {
+    for (const Landmark& landmark : store.landmarks()) {
+      if (landmark.anchor != slot || !landmark.current.valid) continue;
+      const Unprojection<S> ray = view.camera().unproject(landmark.current.uv.template cast<S>());
+      if (ray.valid) visit(landmark.geometry.bearing, ray.bearing);
+    }
+  }
+
+ private:
+  static constexpr float border_px = 8;  ///< half an alignment patch and the interpolation's neighbour
+
+  static bool inside(const View<Sensors>& view, const Vec<S, 2>& uv, float border) {
+    return view.current.level(0).contains(float(uv.x()), float(uv.y()), border);
+  }
+  static Vec<S, 3> p_world(const Landmark& landmark, const auto& window, const SE3<S>& T_body_cam) {
+    return window.T_world_body(landmark.anchor) * (T_body_cam * Kind::middle(landmark.geometry));
+  }
+
+  void observe(const View<Sensors>& view, Landmark& landmark, bool valid, const Vec<float, 2>& pixel) const {
+    typename Kind::Observation& seen = landmark.current;
+    seen.valid = valid;
+    if (!valid) {
+      ++landmark.misses;
+      return;
+    }
+    landmark.misses = 0;
+    const StillPixel<S> still = view.shutter.still(pixel.template cast<S>());
+    seen.pixel = pixel;
+    seen.uv = still.uv.template cast<float>();
+    seen.uv_slope.set(still.uv_slope.template cast<float>());
+    seen.L = Mat<float, 2, 2>::Identity() / float(options_.sigma_flow_px);
+    if constexpr (Sensors::has_depth) seen.depth.set(view.rig.vision.depth.at(view.depth, pixel));
+  }
+
+  /// The inverse range of a landmark from the depth measured along `bearing` in the latest frame.
+  static void locate_from_depth(Landmark& landmark, const Vec<S, 3>& bearing, const SE3<S>& T_cam_anchor) {
+    const InverseDepth<S>& depth = landmark.current.depth.get();
+    if (!depth.valid) return;
+    const Vec<S, 3> p_anchor = T_cam_anchor.inverse() * Vec<S, 3>(bearing / (depth.value * bearing.z()));
+    const S range = p_anchor.norm();
+    // The anchor's pixel and the depth elsewhere must tell of the same direction.
+    if (!(p_anchor.dot(landmark.geometry.bearing) > S(0.999) * range)) return;
+    landmark.located = true;
+    landmark.geometry.inverse_range = S(1) / range;
+    landmark.geometry.sigma_inverse_range = depth.sigma * bearing.z();
+  }
+
+  Options options_;
+  FixedVector<Vec<float, 2>, Store::capacity> in_sight_;
+  FixedVector<Corner, Store::capacity> corners_;
+  std::size_t first_search_ = 0;
+};
+
+}  // namespace plumbline

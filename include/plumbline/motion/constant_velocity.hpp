@@ -1,0 +1,93 @@
+#pragma once
+/// Motion of a camera alone: constant velocity, its rotation replaced by what the images say where they say it clearly.
+/// It predicts; it ties no frames together.
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/time.hpp"
+#include "plumbline/feature/view.hpp"
+#include "plumbline/lie/plus.hpp"
+#include "plumbline/motion/motion_model.hpp"
+#include "plumbline/sensor/rig.hpp"
+#include "plumbline/state/frame_state.hpp"
+#include "plumbline/state/health.hpp"
+
+namespace plumbline {
+
+struct ConstantVelocityOptions {
+  double max_prediction_s = 0.5;  ///< longer gaps are not bridged
+};
+
+struct NoLink {};
+
+/// Between frames that nothing ties together: no state, no code.
+struct NoLinks {
+  using Link = NoLink;
+  explicit NoLinks(const auto& /*options*/) {}
+  static constexpr bool active() { return false; }
+  void deactivate() {}
+  void insert(int /*slot*/, const auto& /*state*/, const NoLink&) {}
+  void remove(int /*slot*/) {}
+  void follow_biases(const auto& /*window*/) {}
+  void for_each_row(const auto& /*window*/, int /*slot*/, auto&& /*take*/) const {}
+  double cost(const auto& /*window*/) const { return 0; }
+};
+
+template <SensorRig SensorsT>
+class ConstantVelocity {
+ public:
+  using Sensors = SensorsT;
+  using S = typename Sensors::Scalar;
+  using Layout = VisualLayout;
+  using State = FrameValue<S, Layout>;
+  using Options = ConstantVelocityOptions;
+  template <int Slots>
+  using Links = NoLinks;
+  using Link = NoLink;
+  static constexpr bool is_chain = false;
+
+  ConstantVelocity(const Sensors&, const Options& options) : options_(options) {}
+
+  void begin_frame(TimeNs, const State* /*latest*/, S /*dt*/) {}
+  const SE3<S>& T_body_cam(const SE3<S>& extrinsics) const { return extrinsics; }
+
+  Prediction<State, S> predict(const State& latest, const View<Sensors>& view, S /*blind_s*/, auto&& align_rotation) {
+    SE3<S> T = latest.T_world_body;
+    if (view.dt < S(options_.max_prediction_s)) T = plus(T, Vec<S, 6>(velocity_ * view.dt));
+    const SO3<S> R_world_cam = (latest.T_world_body * view.T_body_cam).rotation();
+    const SO3<S> R_cur_prev = (T * view.T_body_cam).rotation().inverse() * R_world_cam;
+    const auto seen = align_rotation(R_cur_prev);
+    if (seen.valid) {
+      T = SE3<S>(R_world_cam * seen.R_cur_prev.inverse() * view.T_body_cam.rotation().inverse(), T.p());
+    }
+    angular_rate_ = segment<3>(minus(T, latest.T_world_body), 0) / view.dt;
+    return {{T}, {}};
+  }
+  const Vec<S, 3>& angular_rate() const { return angular_rate_; }
+
+  State update(const State& /*predicted*/, const SE3<S>& T, const View<Sensors>& view) {
+    velocity_ = minus(T, view.T_world_previous) / view.dt;
+    return {T};
+  }
+  bool revise(const State& /*before*/, State& /*solved*/, S /*dt*/) const { return false; }
+  void lose() { velocity_.setZero(); }
+  static constexpr bool carries_on() { return false; }
+  Mat<S, 6, 6> covariance_grown(const Mat<S, 6, 6>& before) const { return before; }
+  /// Where the body was seen last.
+  State restart(const State& latest) {
+    lose();
+    return latest;
+  }
+
+  static constexpr bool ties_frames() { return false; }
+  bool confirm_keyframe(TimeNs, double /*motion_px*/, bool needed) const { return needed; }
+  Link link(int /*keyframe*/) const { return {}; }
+  void begin_link(const State&) {}
+  HealthReason doubt(const auto& /*links*/, const auto& /*window*/) const { return HealthReason::none; }
+
+ private:
+  Options options_;
+  Vec<S, 6> velocity_ = Vec<S, 6>::Zero();  ///< [rad/s, m/s], body
+  Vec<S, 3> angular_rate_ = Vec<S, 3>::Zero();
+};
+
+}  // namespace plumbline

@@ -1,0 +1,190 @@
+#pragma once
+/// Motion of a rig with an IMU: the readings since the last frame predict the next one, and tie it to the last keyframe.
+///                                                                                docs/math/inertial_window.md
+/// Until scale, gravity and velocity are known the gyroscope gives the rotation, and images their own constant velocity.
+/// Where the readings say nothing (missing, saturated) both come from the images.
+
+#include <cmath>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/result.hpp"
+#include "plumbline/core/time.hpp"
+#include "plumbline/feature/view.hpp"
+#include "plumbline/imu/standstill.hpp"
+#include "plumbline/motion/imu_intake.hpp"
+#include "plumbline/motion/inertial_links.hpp"
+#include "plumbline/motion/motion_model.hpp"
+#include "plumbline/sensor/rig.hpp"
+#include "plumbline/state/frame_state.hpp"
+
+namespace plumbline {
+
+struct InertialOptions : InertialLinkOptions {
+  double gyro_inflation = 2;  ///< of the calibrated densities: vibration, scale and alignment errors
+  double accel_inflation = 5;
+  double walk_inflation = 2;
+  double velocity_sigma = 0.1;  ///< of the velocity that predicts a frame [m/s]
+  double rotation_sigma = 5e-3; ///< of the rotation since the last frame, beside the gyroscope's noise [rad]
+  double max_disagreement = 6;  ///< of readings and images, see InertialLinks; about 2 on a vibrating drone
+  double rest_motion_px = 0.5;  ///< landmarks that moved less since the last keyframe do not contradict a standstill
+  double rest_hysteresis = 2;   ///< limits are this much wider for a body at rest
+  StandstillOptions standstill;
+};
+
+template <SensorRig SensorsT>
+class Inertial {
+ public:
+  using Sensors = SensorsT;
+  using S = typename Sensors::Scalar;
+  using Layout = InertialLayout;
+  using State = FrameValue<S, Layout>;
+  using Options = InertialOptions;
+  template <int Slots>
+  using Links = InertialLinks<S, Slots>;
+  using Link = InertialLink<S>;
+  static constexpr bool is_chain = true;
+
+  Inertial(const Sensors& rig, const Options& options)
+      : options_(options),
+        gravity_(gravity_in_world<S>(S(options.gravity))),
+        imu_(rig.imu, inflated(rig.imu.noise, options)),
+        since_keyframe_(imu_.since(State{})) {}
+
+  const Options& options() const { return options_; }
+  ImuIntake<S>& imu() { return imu_; }
+  const ImuIntake<S>& imu() const { return imu_; }
+
+  void begin_frame(TimeNs t_ns, const State* latest, S dt) {
+    if (latest) {
+      imu_.integrate(t_ns, *latest);
+      since_keyframe_.append(imu_.since_frame());
+      blind_since_keyframe_ = blind_since_keyframe_ || imu_.blind();
+      const S duration = imu_.since_frame().increment().duration;
+      angular_rate_ = imu_.since_frame().increment().delta.dR.log() / (duration > S(0) ? duration : dt);
+    }
+    imu_.begin_frame(t_ns);
+  }
+  /// Vision alone has no use for the lever arm: its body is the camera, turned. (Without depth it has another unit.)
+  SE3<S> T_body_cam(const SE3<S>& extrinsics) const {
+    return is_metric_ ? extrinsics : SE3<S>(extrinsics.rotation(), Vec<S, 3>::Zero());
+  }
+
+  /// While images are of no use the velocity gets worse.
+  Prediction<State, S> predict(const State& latest, const View<Sensors>& view, S blind_s, auto&& align_rotation) {
+    const auto& increment = imu_.since_frame().increment();
+    if (!is_metric_) {
+      State x = latest;
+      x.T_world_body = SE3<S>(view.T_world_previous.rotation() * increment.delta.dR,
+                              view.T_world_previous.p() + view.dt * latest.v_world_body);
+      return {x, {}};
+    }
+    Prediction<State, S> out{latest, {true}};
+    if (!imu_.blind()) {
+      out.state = increment.predict(latest, gravity_);
+    } else {
+      SO3<S> R_previous_now = increment.corrected(latest.bias_gyro, latest.bias_accel).dR;
+      if (imu_.missing() || imu_.coverage().gyro_saturated_s > 0) {
+        const SO3<S> R_body_cam = view.T_body_cam.rotation();
+        const auto seen = align_rotation(SO3<S>());
+        R_previous_now = seen.valid ? R_body_cam * seen.R_cur_prev.inverse() * R_body_cam.inverse() : SO3<S>();
+      }
+      out.state.T_world_body = SE3<S>(view.T_world_previous.rotation() * R_previous_now,
+                                      latest.T_world_body.p() + view.dt * latest.v_world_body);
+    }
+    for (int k = 0; k < 3; ++k) {
+      const auto sigma = [&](int i) { return std::sqrt(double(increment.covariance(i, i))); };
+      out.prior.sigma[k] = S(std::hypot(options_.rotation_sigma, sigma(k)));
+      out.prior.sigma[3 + k] = S(std::hypot(options_.velocity_sigma * double(blind_s), sigma(3 + k)));
+    }
+    return out;
+  }
+
+  State update(const State& predicted, const SE3<S>& T, const View<Sensors>& view) const {
+    State x = predicted;
+    if (!is_metric_) x.v_world_body = (T.p() - view.T_world_previous.p()) / view.dt;
+    if (!is_metric_ || imu_.blind()) x.T_world_body = T;
+    return x;
+  }
+  /// Where the readings were of no use the images tell the velocity.
+  bool revise(const State& before, State& solved, S dt) const {
+    if (!blind_since_keyframe_) return false;
+    solved.v_world_body = (solved.T_world_body.p() - before.T_world_body.p()) / dt;
+    return true;
+  }
+  void lose() { at_rest_ = false; }
+  bool carries_on() const { return is_metric_; }
+  /// Of a pose after the readings of one frame without images.
+  Mat<S, 6, 6> covariance_grown(const Mat<S, 6, 6>& before) const {
+    const auto& increment = imu_.since_frame().increment();
+    Mat<S, 6, 6> out = before + block<6, 6>(increment.covariance, 0, 0);
+    const S walk = S(options_.velocity_sigma * options_.velocity_sigma) * increment.duration;
+    for (int k = 3; k < 6; ++k) out(k, k) += walk;
+    return out;
+  }
+  /// In a world of its own: what is kept are the biases.
+  State restart(const State& latest) {
+    is_metric_ = false;
+    State x = latest;
+    x.T_world_body = {};
+    x.v_world_body.setZero();
+    return x;
+  }
+
+  /// Whether scale, gravity, velocities and biases are known.
+  bool is_metric() const { return is_metric_; }
+  void become_metric() { is_metric_ = true; }
+  bool ties_frames() const { return is_metric_; }
+
+  Link link(int keyframe) const { return {keyframe, since_keyframe_, at_rest_}; }
+  void begin_link(const State& x) {
+    since_keyframe_ = imu_.since(x);
+    blind_since_keyframe_ = false;
+  }
+  /// A link that was blind somewhere ends as soon as the readings are back: the next one tells the velocity. At rest
+  /// there are none.
+  bool confirm_keyframe(TimeNs t_ns, double motion_px, bool needed) {
+    return !look_for_rest(t_ns, motion_px) && (needed || (blind_since_keyframe_ && !imu_.blind()));
+  }
+  HealthReason doubt(const auto& links, const auto& window) const {
+    if (imu_.missing()) return HealthReason::no_imu_data;
+    if (imu_.coverage().saturated_s > 0) return HealthReason::imu_saturated;
+    if (is_metric_ && links.disagreement(window) > options_.max_disagreement) return HealthReason::imu_disagrees;
+    return HealthReason::none;
+  }
+
+  /// Whether nothing moved since the last keyframe, by image and IMU. Rest is left less easily than it is entered.
+  bool look_for_rest(TimeNs t_ns, double motion_px) {
+    StandstillOptions options = options_.standstill;
+    const double slack = at_rest_ ? options_.rest_hysteresis : 1;
+    options.gyro_spread *= slack;
+    options.accel_spread *= slack;
+    at_rest_ = motion_px < slack * options_.rest_motion_px;
+    if (!at_rest_) return false;
+    rest_ = standstill(imu_.buffer(), imu_.time_of(t_ns), options, options_.gravity);
+    return at_rest_ = rest_.at_rest();
+  }
+  bool at_rest() const { return at_rest_; }
+  /// All that is known of a body at rest, the world being upright at its place.
+  State state_at_rest() const { return plumbline::state_at_rest<S>(rest_, options_.gravity); }
+
+  const Vec<S, 3>& angular_rate() const { return angular_rate_; }
+
+ private:
+  static ImuNoise inflated(ImuNoise noise, const Options& options) {
+    noise.gyro_density *= options.gyro_inflation;
+    noise.accel_density *= options.accel_inflation;
+    noise.gyro_walk *= options.walk_inflation;
+    noise.accel_walk *= options.walk_inflation;
+    return noise;
+  }
+
+  Options options_;
+  Vec<S, 3> gravity_;
+  ImuIntake<S> imu_;
+  Preintegration<S> since_keyframe_;
+  Vec<S, 3> angular_rate_ = Vec<S, 3>::Zero();
+  StandstillReport rest_;
+  bool is_metric_ = false, blind_since_keyframe_ = false, at_rest_ = false;
+};
+
+}  // namespace plumbline

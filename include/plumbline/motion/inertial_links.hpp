@@ -1,0 +1,208 @@
+#pragma once
+/// The IMU's increments between the frames of a window.                                docs/math/inertial_window.md
+///
+/// A frame's increment comes from the frame before it; together they are a chain in time. Where a frame was
+/// marginalized the chain is cut, and the prior holds the ends together.
+
+#include <array>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/imu/gravity.hpp"
+#include "plumbline/imu/nav_state.hpp"
+#include "plumbline/imu/preintegration.hpp"
+#include "plumbline/residual/inertial.hpp"
+#include "plumbline/residual/zero_motion.hpp"
+#include "plumbline/state/layout.hpp"
+
+namespace plumbline {
+
+struct InertialLinkOptions {
+  double gravity = standard_gravity<double>;  ///< length of the acceleration of free fall [m/s^2]
+  double rest_velocity_sigma = 0.01;          ///< of a body found at rest [m/s]
+  double rest_rotation_sigma = 2e-3;          ///< between two frames of one standstill [rad]
+  double rest_position_sigma = 2e-3;          ///< [m]
+};
+
+/// What ties a frame to the one in slot `previous`, -1 for none.
+template <class S>
+struct InertialLink {
+  int previous = -1;
+  Preintegration<S> increment;  ///< since then
+  bool at_rest = false;         ///< the body did not move since then
+};
+
+template <class S, int Slots>
+class InertialLinks {
+ public:
+  using Layout = InertialLayout;
+  using Increment = Preintegration<S>;
+  using Link = InertialLink<S>;
+
+  explicit InertialLinks(const InertialLinkOptions& options)
+      : options_(options), gravity_(gravity_in_world<S>(S(options.gravity))) {}
+
+  const Vec<S, 3>& gravity() const { return gravity_; }
+
+  /// Links take part in the cost from `activate` on; before, velocities and biases rest where they are.
+  bool active() const { return active_; }
+  void activate() { active_ = true; }
+  void deactivate() { active_ = false; }
+
+  void insert(int slot, const NavState<S>& x, const Link& link) {
+    links_[slot].link = link;
+    integrate(links_[slot], x);
+  }
+  /// The frame leaves; what it tied together is in the prior or given up.
+  void remove(int slot) {
+    links_[slot].link.previous = -1;
+    for (Weighted& weighted : links_) {
+      if (weighted.link.previous == slot) weighted.link.previous = -1;
+    }
+  }
+
+  int previous(int slot) const { return links_[slot].link.previous; }
+  const Increment& increment(int slot) const { return links_[slot].link.increment; }
+
+  /// From position to position, biases and attitudes given.
+  template <class Window>
+  void guess_velocities(Window& window) const {
+    using Velocity = Estimated<state::Velocity, S>;
+    const auto set = [&](int slot, const Vec<S, 3>& v) {
+      window.state(slot).template get<state::Velocity>() = Velocity(v);
+    };
+    for (int j = 0; j < Slots; ++j) {
+      if (!linked(window, j)) continue;
+      const auto& increment = links_[j].link.increment.increment();
+      const int i = previous(j);
+      NavState<S> x_i = window[i].state.value();
+      x_i.v_world_body.setZero();
+      const NavState<S> fallen = increment.predict(x_i, gravity_);
+      x_i.v_world_body = (window.T_world_body(j).p() - fallen.T_world_body.p()) / increment.duration;
+      set(i, x_i.v_world_body);
+      set(j, increment.predict(x_i, gravity_).v_world_body);
+    }
+  }
+
+  /// Integrates again what the biases of its frame have moved away from. Call it between optimizations.
+  void follow_biases(const auto& window) {
+    for (int slot = 0; slot < Slots; ++slot) {
+      if (!linked(window, slot)) continue;
+      const NavState<S> x = window[previous(slot)].state.value();
+      if (links_[slot].link.increment.is_far(x.bias_gyro)) integrate(links_[slot], x);
+    }
+  }
+
+  /// Linearizes all links that touch `slot`, all of them for -1, and gives take(i, J_i, j, J_j, r) their whitened rows.
+  void for_each_row(const auto& window, int slot, auto&& take) const {
+    for (int j = 0; active_ && j < Slots; ++j) {
+      if (!linked(window, j)) continue;
+      const Weighted& weighted = links_[j];
+      const int i = weighted.link.previous;
+      if (slot >= 0 && i != slot && j != slot) continue;
+      const NavState<S> x_i = window[i].state.value(), x_j = window[j].state.value();
+      const NavState<S> x_i0 = window[i].state.first_estimate(), x_j0 = window[j].state.first_estimate();
+      if (weighted.valid) {
+        auto inertial =
+            InertialResidual<S>{weighted.link.increment.increment(), gravity_}.linearize(x_i, x_j, x_i0, x_j0);
+        if (inertial.valid) {
+          inertial.whiten(weighted.L);
+          take(i, inertial.J_r_i, j, inertial.J_r_j, inertial.r);
+        }
+      }
+      if (weighted.link.at_rest) take_rest(i, x_i, x_i0, j, x_j, x_j0, take);
+    }
+  }
+
+  double cost(const auto& window) const {
+    double sum = 0;
+    for (int j = 0; active_ && j < Slots; ++j) {
+      if (!linked(window, j)) continue;
+      const Weighted& weighted = links_[j];
+      const NavState<S> x_i = window[weighted.link.previous].state.value(), x_j = window[j].state.value();
+      if (weighted.valid) {
+        const Vec<S, 15> r = InertialResidual<S>{weighted.link.increment.increment(), gravity_}.residual(x_i, x_j);
+        sum += Vec<S, 15>(weighted.L.lazyProduct(r)).squaredNorm() / 2;
+      }
+      if (!weighted.link.at_rest) continue;
+      const Vec<S, 6> r = minus(x_j.T_world_body, x_i.T_world_body);
+      sum += rest_weights().cwiseProduct(r).squaredNorm() / 2;
+      sum += x_j.v_world_body.squaredNorm() / (2 * options_.rest_velocity_sigma * options_.rest_velocity_sigma);
+    }
+    return sum;
+  }
+
+  /// Mean squared whitened residual of rotation, position and velocity over all increments: about 1 where the readings
+  /// agree with the states as well as their noise allows, 0 without increments.
+  double disagreement(const auto& window) const {
+    constexpr int compared = Layout::dim - state::GyroBias::dim - state::AccelBias::dim;  // biases hardly contribute
+    double sum = 0;
+    int links = 0;
+    for (int j = 0; j < Slots; ++j) {
+      if (!linked(window, j) || !links_[j].valid) continue;
+      const InertialResidual<S> inertial{links_[j].link.increment.increment(), gravity_};
+      const Vec<S, 15> r = inertial.residual(window[previous(j)].state.value(), window[j].state.value());
+      sum += Vec<S, 15>(links_[j].L.lazyProduct(r)).squaredNorm();
+      ++links;
+    }
+    return links > 0 ? sum / (compared * links) : 0;
+  }
+
+ private:
+  struct Weighted {
+    Link link;
+    bool valid = false;  ///< its increment has a weight
+    Mat<S, 15, 15> L;    ///< whitens the increment's residual
+  };
+
+  bool linked(const auto& window, int slot) const { return window[slot].used && previous(slot) >= 0; }
+
+  static void integrate(Weighted& weighted, const NavState<S>& x) {
+    Increment& increment = weighted.link.increment;
+    increment.reintegrate(x.bias_gyro, x.bias_accel);
+    const auto L = increment.increment().square_root_information();
+    weighted.valid = bool(L) && !increment.empty();
+    if (weighted.valid) weighted.L = *L;
+  }
+
+  /// Rows of a standstill: no motion since frame i, no velocity in frame j.
+  void take_rest(int i, const NavState<S>& x_i, const NavState<S>& x_i0, int j, const NavState<S>& x_j,
+                 const NavState<S>& x_j0, auto&& take) const {
+    constexpr int motion_dim = ZeroMotion<S>::dim, rows = motion_dim + ZeroVelocity<S>::dim;
+    constexpr int at_v = Layout::offset<state::Velocity>;
+    const auto motion =
+        ZeroMotion<S>{}.linearize(x_i.T_world_body, x_j.T_world_body, x_i0.T_world_body, x_j0.T_world_body);
+    const auto velocity = ZeroVelocity<S>{}.linearize(x_j.v_world_body);
+    const Vec<S, motion_dim> w = rest_weights();
+    const S w_v = S(1 / options_.rest_velocity_sigma);
+    Mat<S, rows, Layout::dim> J_i, J_j;
+    Vec<S, rows> r;
+    J_i.setZero();
+    J_j.setZero();
+    for (int k = 0; k < motion_dim; ++k) {
+      for (int c = 0; c < state::Pose::dim; ++c) {
+        J_i(k, c) = w[k] * motion.J_r_i(k, c);
+        J_j(k, c) = w[k] * motion.J_r_j(k, c);
+      }
+      r[k] = w[k] * motion.r[k];
+    }
+    for (int k = 0; k < ZeroVelocity<S>::dim; ++k) {
+      for (int c = 0; c < state::Velocity::dim; ++c) J_j(motion_dim + k, at_v + c) = w_v * velocity.J_r_v(k, c);
+      r[motion_dim + k] = w_v * velocity.r[k];
+    }
+    take(i, J_i, j, J_j, r);
+  }
+
+  Vec<S, 6> rest_weights() const {
+    Vec<S, 6> w;
+    w << Vec<S, 3>::Constant(S(1 / options_.rest_rotation_sigma)),
+        Vec<S, 3>::Constant(S(1 / options_.rest_position_sigma));
+    return w;
+  }
+
+  InertialLinkOptions options_;
+  Vec<S, 3> gravity_;
+  bool active_ = false;
+  std::array<Weighted, Slots> links_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,63 @@
+#pragma once
+/// A motion model says where the next frame is expected and how sure that is, and ties the frames of the window together
+/// by links. It owns what the sensors of the motion have told since the latest frame.
+///
+///   begin_frame       takes in what was measured up to a frame; the latest state is null before the first one
+///   predict           the frame's state, before its features are used. `align_rotation(guess)` is what the images say of
+///                     the camera's rotation since the previous one; `blind_s`: since when images are of no use
+///   update            the frame's features say that it is at T: the state with which it enters the window
+///   revise            after the window was solved: whether the frame's state is corrected by what the images alone say
+///   lose              the images do not say where the frame is; `carries_on` if the model can without them
+///   restart           everything begins anew; returns where
+///   link, begin_link  from the last keyframe on
+///   confirm_keyframe  whether a frame becomes a keyframe, given that the rule wants it
+///   doubt             what is wrong with what the sensors say
+
+#include <concepts>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/time.hpp"
+#include "plumbline/lie/se3.hpp"
+#include "plumbline/state/health.hpp"
+
+namespace plumbline {
+
+/// A belief about a frame's pose before its features are used.
+template <class S>
+struct PosePrior {
+  bool valid = false;
+  Vec<S, 6> sigma = Vec<S, 6>::Zero();  ///< of [dphi, dp] [rad, m]
+};
+
+template <class X, class S>
+struct Prediction {
+  X state;             ///< of the frame
+  PosePrior<S> prior;  ///< about its pose
+};
+
+template <class M>
+concept Predicts = requires(M& motion, const M& known, const typename M::State& x, typename M::S dt) {
+  motion.begin_frame(TimeNs{}, &x, dt);
+  { known.angular_rate() } -> std::convertible_to<Vec<typename M::S, 3>>;  // of the body since the last frame [rad/s]
+  { known.carries_on() } -> std::convertible_to<bool>;
+  { motion.restart(x) } -> std::same_as<typename M::State>;
+  motion.lose();
+};
+
+/// `ties_frames`: links hold, so that every frame is solved for together with the window. `is_chain`: they go from each
+/// frame to the one before it.
+template <class M>
+concept Ties = requires(M& motion, const M& known, const typename M::State& x) {
+  typename M::Layout;  // blocks of a frame
+  typename M::Link;
+  typename M::template Links<4>;
+  { M::is_chain } -> std::convertible_to<bool>;
+  { known.ties_frames() } -> std::convertible_to<bool>;
+  { known.link(0) } -> std::same_as<typename M::Link>;
+  motion.begin_link(x);
+};
+
+template <class M>
+concept MotionModel = Predicts<M> && Ties<M>;
+
+}  // namespace plumbline

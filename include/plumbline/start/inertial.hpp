@@ -1,0 +1,101 @@
+#pragma once
+/// Start of a rig with an IMU, on top of that of its camera: vision alone, until its poses and the IMU agree on scale,
+/// gravity, velocities and biases.                                                docs/math/inertial_window.md
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/imu/gravity.hpp"
+#include "plumbline/imu/nav_state.hpp"
+#include "plumbline/lie/se3.hpp"
+#include "plumbline/motion/imu_intake.hpp"
+#include "plumbline/start/alignment_window.hpp"
+#include "plumbline/start/start_report.hpp"
+#include "plumbline/state/layout.hpp"
+
+namespace plumbline {
+
+struct InertialStartOptions {
+  double frame_interval_s = 0.1;        ///< between the poses that are aligned with the IMU
+  double gyro_bias_sigma = 0.02;        ///< prior of the first frame [rad/s]
+  double accel_bias_sigma = 0.1;        ///< [m/s^2]
+  double max_accel_bias_sigmas = 10;    ///< of accel_bias_sigma, when images and readings are first solved together
+  InertialAlignmentOptions alignment;
+};
+
+template <class S, class VisualT>
+class InertialStart {
+ public:
+  using Visual = VisualT;
+  static constexpr bool needs_second_view = Visual::needs_second_view;
+  struct Options : InertialStartOptions, Visual::Options {};
+  static constexpr int bias_rows = state::GyroBias::dim + state::AccelBias::dim;
+
+  explicit InertialStart(const Options& options) : options_(options), visual_(options) {}
+
+  Visual& visual() { return visual_; }
+  const Options& options() const { return options_; }
+
+  /// A series of camera poses begins.
+  void clear() { window_.clear(); }
+  /// One more of them, with the readings since the frame before. True when it is worth trying to align.
+  bool add(const SE3<S>& T_ref_cam, const Preintegration<S>& since_last) {
+    return window_.add(T_ref_cam, since_last, options_.frame_interval_s);
+  }
+
+  /// Whether poses and readings agree; `report` says what is missing.
+  bool align(const SE3<S>& T_body_cam, double gravity, InitReport& report) {
+    InertialAlignmentOptions options = options_.alignment;
+    options.metric = !needs_second_view;
+    found_ = window_.align(T_body_cam, options, gravity);
+    report.alignment = found_.outcome;
+    report.excitation = found_.excitation;
+    report.gravity_norm = found_.gravity_norm;
+    report.gyro_residual = found_.gyro_residual;
+    report.scale_sigma = found_.scale_sigma;
+    if (!found_) return false;
+    gravity_ref_ = found_.R_world_ref.inverse() * gravity_in_world<S>(S(gravity));
+    return true;
+  }
+
+  /// Metres in one unit of vision.
+  S scale() const { return found_.scale; }
+  /// The state in the world of a body that vision has at T_ref_turned, in its own unit and without the lever arm. The
+  /// first body is the origin, upright and without yaw. Velocities are open.
+  NavState<S> state_of(const SE3<S>& T_ref_turned, const SE3<S>& T_body_cam) const {
+    const SO3<S> R_world_ref = upright<S>(gravity_ref_);
+    const SE3<S> T_ref_cam = T_ref_turned * SE3<S>(T_body_cam.rotation(), Vec<S, 3>::Zero());
+    const SE3<S> T_first_body = SE3<S>(T_ref_cam.rotation(), found_.scale * T_ref_cam.p()) * T_body_cam.inverse();
+    NavState<S> x;
+    x.T_world_body =
+        SE3<S>(R_world_ref * T_first_body.rotation(), R_world_ref * Vec<S, 3>(T_first_body.p() + T_body_cam.p()));
+    x.bias_gyro = found_.bias_gyro;
+    x.bias_accel = found_.bias_accel;
+    return x;
+  }
+
+  /// Rows on the biases of the first frame.
+  Mat<double, bias_rows, InertialLayout::dim> prior_on_biases() const {
+    Mat<double, bias_rows, InertialLayout::dim> J;
+    J.setZero();
+    for (int k = 0; k < 3; ++k) {
+      J(k, InertialLayout::offset<state::GyroBias> + k) = 1 / options_.gyro_bias_sigma;
+      J(3 + k, InertialLayout::offset<state::AccelBias> + k) = 1 / options_.accel_bias_sigma;
+    }
+    return J;
+  }
+
+  /// Whether images and readings, solved for together, bear out what was aligned: poses of a wrong scene can be aligned
+  /// with the readings of half a second, but then need an accelerometer bias that no sensor has.
+  bool believes(const NavState<S>& x) const {
+    const double largest = double(x.bias_accel.cwiseAbs().maxCoeff());
+    return largest <= options_.max_accel_bias_sigmas * options_.accel_bias_sigma;
+  }
+
+ private:
+  Options options_;
+  Visual visual_;
+  AlignmentWindow<S> window_;
+  typename AlignmentWindow<S>::Outcome found_;
+  Vec<S, 3> gravity_ref_ = Vec<S, 3>::Zero();
+};
+
+}  // namespace plumbline

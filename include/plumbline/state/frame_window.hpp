@@ -1,0 +1,112 @@
+#pragma once
+/// The one owner of poses: the frames that are estimated, each in a slot that it keeps while it lives, and the latest
+/// frame, which is one of them or stands alone.                                              docs/math/window.md
+///
+/// A new pose gets the linearization point that stands to that of the newest frame as it stands to the newest frame
+/// itself,
+///   x0 = T0 T^-1 x,                                                                                          (3)
+/// so that Jacobians see how the two stand to each other now, however far the whole window has moved since.
+
+#include <array>
+#include <cstdint>
+
+#include "plumbline/core/assert.hpp"
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/time.hpp"
+#include "plumbline/lie/se3.hpp"
+#include "plumbline/state/frame_state.hpp"
+
+namespace plumbline {
+
+template <class S, class LayoutT, int Slots>
+class FrameWindow {
+ public:
+  using Scalar = S;
+  using Layout = LayoutT;
+  using Value = FrameValue<S, Layout>;
+  using State = FrameState<S, Layout>;
+  static constexpr int slots = Slots;
+
+  struct Frame {
+    bool used = false;
+    TimeNs t_ns = 0;
+    std::uint32_t sequence = 0;  ///< counts frames; larger is newer
+    State state;
+  };
+
+  const Frame& operator[](int slot) const { return frames_[slot]; }
+  State& state(int slot) { return frames_[slot].state; }
+  const SE3<S>& T_world_body(int slot) const { return frames_[slot].state.template get<state::Pose>().value(); }
+  int size() const { return size_; }
+  bool full() const { return size_ == Slots; }
+  /// Slot of the newest frame; only when there is one.
+  int newest() const { return newest_; }
+  int oldest() const {
+    int found = newest_;
+    for (int k = 0; k < Slots; ++k) {
+      if (frames_[k].used && frames_[k].sequence < frames_[found].sequence) found = k;
+    }
+    return found;
+  }
+  /// Slot of the newest frame among those older than `sequence`; -1 when there is none.
+  int before(std::uint32_t sequence) const {
+    int found = -1;
+    for (int k = 0; k < Slots; ++k) {
+      const Frame& frame = frames_[k];
+      if (!frame.used || frame.sequence >= sequence) continue;
+      if (found < 0 || frame.sequence > frames_[found].sequence) found = k;
+    }
+    return found;
+  }
+
+  /// Puts a frame into a free slot and returns it. The window must not be full.
+  int insert(TimeNs t_ns, const Value& x) {
+    PLUMBLINE_ASSERT(!full());
+    int slot = 0;
+    while (frames_[slot].used) ++slot;
+    State state(x);
+    if (size_ > 0) {
+      using Pose = Estimated<state::Pose, S>;
+      const Pose& newest = frames_[newest_].state.template get<state::Pose>();
+      state.template get<state::Pose>() =
+          Pose(x.T_world_body, newest.first_estimate() * newest.value().inverse() * x.T_world_body);  // (3)
+    }
+    frames_[slot] = {true, t_ns, ++sequence_, state};
+    ++size_;
+    newest_ = slot;
+    return slot;
+  }
+
+  /// Frees a slot; not the last one. The latest frame stays the latest.
+  void remove(int slot) {
+    PLUMBLINE_ASSERT(frames_[slot].used && size_ > 1);
+    if (slot == latest_slot_) set_latest(latest());
+    frames_[slot].used = false;
+    --size_;
+    if (slot == newest_) newest_ = before(frames_[slot].sequence);
+  }
+
+  void clear() {
+    set_latest(latest());
+    for (Frame& frame : frames_) frame.used = false;
+    size_ = 0;
+  }
+
+  /// The state of the latest frame.
+  Value latest() const { return latest_slot_ < 0 ? alone_ : frames_[latest_slot_].state.value(); }
+  void set_latest(int slot) { latest_slot_ = slot; }
+  void set_latest(const Value& x) {
+    alone_ = x;
+    latest_slot_ = -1;
+  }
+
+ private:
+  std::array<Frame, Slots> frames_{};
+  int size_ = 0;
+  int newest_ = 0;
+  int latest_slot_ = -1;  ///< -1: the latest frame is not in the window
+  Value alone_;           ///< the latest frame then
+  std::uint32_t sequence_ = 0;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,44 @@
+#pragma once
+/// What is believed of the rig: where the camera sits, how its clock stands to the IMU's, how fast its rows are read.
+/// Everybody asks here, nobody the calibration, so that what is found out while running is in force everywhere.
+///
+/// Of the blocks of the rig (state/block.hpp) the readout time is estimated today; extrinsics and time offset are those
+/// of the calibration.
+
+#include "plumbline/core/present.hpp"
+#include "plumbline/lie/se3.hpp"
+#include "plumbline/sensor/rig.hpp"
+#include "plumbline/state/block.hpp"
+#include "plumbline/state/readout_filter.hpp"
+
+namespace plumbline {
+
+template <SensorRig Sensors>
+class RigState {
+ public:
+  using S = typename Sensors::Scalar;
+  using Readouts = Present<ReadoutFilter<S>, Sensors::rolls>;
+
+  RigState(const Sensors& rig, const ReadoutOptions& options)
+      : T_body_cam_(rig.T_body_cam()), readout_(ReadoutFilter<S>(rig.vision.readout.get(), options)) {}
+
+  /// state::Extrinsics
+  const SE3<S>& T_body_cam() const { return T_body_cam_; }
+  /// state::ReadoutTime; zero, and known, of a global shutter.
+  Readout<S> readout() const { return readout_.get().readout(); }
+
+  /// Takes what one frame says about the readout time; returns by how much it changed [s].
+  S update_readout(const typename ReadoutFilter<S>::Equations& system, S dt) {
+    ReadoutFilter<S> filter = readout_.get();
+    filter.update(system, dt);
+    const S change = filter.readout().value_s - readout().value_s;
+    readout_.set(filter);
+    return change;
+  }
+
+ private:
+  SE3<S> T_body_cam_;
+  [[no_unique_address]] Readouts readout_;
+};
+
+}  // namespace plumbline
