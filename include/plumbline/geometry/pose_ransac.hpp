@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -21,6 +20,7 @@
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/random.hpp"
+#include "plumbline/core/random_sample.hpp"
 #include "plumbline/geometry/p3p.hpp"
 #include "plumbline/lie/plus.hpp"
 #include "plumbline/lie/se3.hpp"
@@ -158,9 +158,7 @@ PoseRansacResult<S, Capacity> ransac_pose(const FixedVector<PoseCorrespondence<S
     if (adopt_if_better(T)) adopt_if_better(pose_ransac_detail::refine(correspondences, T, chi2));
   };
   const auto samples_needed = [&] {  // (6)
-    const double w = static_cast<double>(best.inliers) / static_cast<double>(n);
-    if (w >= 1) return 0.0;
-    return std::log1p(-options.confidence) / std::log1p(-w * w * w);  // infinite for w = 0
+    return plumbline::samples_needed(options.confidence, static_cast<double>(best.inliers) / static_cast<double>(n), 3);
   };
 
   offer(T_cam_world_prior);
