@@ -54,35 +54,35 @@ struct SimulatedPoints {
     return out;
   }
 
-  /// Takes the place of a PointMap's images: what the keyframe in `slot`, the latest frame, sees of the landmarks that
+  /// Takes the place of a front end of points: what the keyframe in `slot`, the latest frame, sees of the landmarks that
   /// are there, whose ids are indices of points, and new landmarks for all other points as long as there is room.
-  template <class Map>
-  void observe(Map& map, const SE3<double>& T_world_cam, int slot, Gaussian& noise) const {
-    using S = typename Map::S;
+  template <class Store>
+  void observe(Store& store, const SE3<double>& T_world_cam, int slot, Gaussian& noise) const {
+    using S = typename Store::S;
     std::vector<bool> known(p_world.size());
-    for (typename Map::Landmark& landmark : map.landmarks()) {
+    for (typename Store::Landmark& landmark : store.landmarks()) {
       known[landmark.id] = true;
       measure(see(T_world_cam, landmark.id), sigma_px, noise, landmark.current);
       landmark.observations[static_cast<std::size_t>(slot)] = landmark.current;
     }
     for (std::size_t i = 0; i < p_world.size(); ++i) {
       const SeenPoint seen = see(T_world_cam, i);
-      if (known[i] || !seen.valid || map.landmarks().full()) continue;
-      typename Map::Landmark landmark;
+      if (known[i] || !seen.valid || store.landmarks().full()) continue;
+      typename Store::Landmark landmark;
       landmark.id = static_cast<std::uint32_t>(i);
       landmark.anchor = slot;
-      landmark.bearing = seen.p_cam.normalized().template cast<S>();
+      landmark.geometry.bearing = seen.p_cam.normalized().template cast<S>();
       measure(seen, 0, noise, landmark.current);
       landmark.observations[static_cast<std::size_t>(slot)] = landmark.current;
       landmark.located = true;
-      landmark.inverse_range = landmark.current.depth.value * landmark.bearing.z();
-      landmark.sigma_inverse_range = landmark.current.depth.sigma * landmark.bearing.z();
-      map.landmarks().push_back(landmark);
+      landmark.geometry.inverse_range = landmark.current.depth.get().value * landmark.geometry.bearing.z();
+      landmark.geometry.sigma_inverse_range = landmark.current.depth.get().sigma * landmark.geometry.bearing.z();
+      store.landmarks().push_back(landmark);
     }
   }
 
  private:
-  /// (1), into a PointObservation.
+  /// (1), into a PointObservation with depth.
   template <class Observation>
   void measure(const SeenPoint& seen, double sigma_uv, Gaussian& noise, Observation& out) const {
     out = {};
@@ -92,10 +92,12 @@ struct SimulatedPoints {
     if (sigma_uv > 0 && noise.random().uniform() < outlier_share) uv += outlier_px * noise.vector<2>().normalized();
     out.pixel = out.uv = uv.cast<float>();
     out.L = Mat<float, 2, 2>::Identity() / float(sigma_px);
-    using S = decltype(out.depth.value);
-    out.depth.valid = true;
-    out.depth.value = S(1 / seen.p_cam.z() + noise_scale * sigma_inverse_depth * noise());
-    out.depth.sigma = S(sigma_inverse_depth);
+    auto depth = out.depth.get();
+    using S = decltype(depth.value);
+    depth.valid = true;
+    depth.value = S(1 / seen.p_cam.z() + noise_scale * sigma_inverse_depth * noise());
+    depth.sigma = S(sigma_inverse_depth);
+    out.depth.set(depth);
   }
 };
 
