@@ -31,7 +31,7 @@
 
 namespace plumbline {
 
-template <SensorRig SensorsT>
+template <SensorRig SensorsT, template <class> class Loss = Huber>
 struct LineKind {
   using Sensors = SensorsT;
   using Scalar = typename Sensors::Scalar;
@@ -41,7 +41,8 @@ struct LineKind {
   using Geometry = LineGeometry<S>;
   static constexpr int dim = 4;
   static constexpr int rows_per_view = Sensors::has_depth ? 4 : 2, damping_rows = dim;
-  static constexpr Huber<S> pixel_loss{S(2.45)}, depth_loss{S(2.45)};  ///< sqrt(chi2_95_2dof)
+  static_assert(RobustLoss<Loss<S>>, "plumbline: this is no robust kernel, see solver/robust_loss.hpp");
+  static constexpr Loss<S> pixel_loss = loss_for<Loss, S, 2>, depth_loss = pixel_loss;
 
   struct Appearance {
     LineProfile profile;  ///< of the latest observation that fits

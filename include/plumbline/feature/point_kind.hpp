@@ -29,7 +29,7 @@
 
 namespace plumbline {
 
-template <SensorRig SensorsT>
+template <SensorRig SensorsT, template <class> class Loss = Huber>
 struct PointKind {
   using Sensors = SensorsT;
   using Scalar = typename Sensors::Scalar;
@@ -41,8 +41,8 @@ struct PointKind {
   static constexpr int dim = 1;  ///< lambda
   static constexpr int rows_per_view = Sensors::has_depth ? 3 : 2, damping_rows = 0;
   static constexpr S lambda_min = S(1e-3), lambda_max = S(20);  ///< inverse range stays in this interval [1/m]
-  static constexpr Huber<S> pixel_loss{S(2.45)};                ///< sqrt(chi2_95_2dof)
-  static constexpr Huber<S> depth_loss{S(1.345)};
+  static_assert(RobustLoss<Loss<S>>, "plumbline: this is no robust kernel, see solver/robust_loss.hpp");
+  static constexpr Loss<S> pixel_loss = loss_for<Loss, S, 2>, depth_loss = loss_for<Loss, S, 1>;
 
   struct Geometry {
     Vec<S, 3> bearing = Vec<S, 3>::UnitZ();  ///< unit, anchor camera

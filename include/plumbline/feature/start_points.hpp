@@ -5,16 +5,17 @@
 
 #include "plumbline/feature/point_kind.hpp"
 #include "plumbline/sensor/rig.hpp"
+#include "plumbline/solver/robust_loss.hpp"
 
 namespace plumbline {
 
-template <int N>
+template <int N, template <class> class Loss = Huber>
 struct StartPoints {
   static_assert(N >= 8, "plumbline: two views need eight points");
   static constexpr int capacity = N;
 
   template <SensorRig Sensors>
-  using Kind = PointKind<Sensors>;
+  using Kind = PointKind<Sensors, Loss>;
 
   template <class Options>
   struct Named {

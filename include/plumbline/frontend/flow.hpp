@@ -16,16 +16,16 @@ template <class Entry, class Store>
 struct FlowOf {
   using Type = typename Entry::template FrontEnd<Store>;
 };
-template <int N, class Store>
-struct FlowOf<Points<N>, Store> {
+template <int N, template <class> class Loss, class Store>
+struct FlowOf<Points<N, Loss>, Store> {
   using Type = PointFlow<Store>;
 };
-template <int N, class Store>
-struct FlowOf<StartPoints<N>, Store> {
+template <int N, template <class> class Loss, class Store>
+struct FlowOf<StartPoints<N, Loss>, Store> {
   using Type = StartFlow<Store>;
 };
-template <int N, class Detector, class Store>
-struct FlowOf<Lines<N, Detector>, Store> {
+template <int N, class Detector, template <class> class Loss, class Store>
+struct FlowOf<Lines<N, Detector, Loss>, Store> {
   using Type = EdgeFollowing<Store, Detector>;
 };
 }  // namespace detail

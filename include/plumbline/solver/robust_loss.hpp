@@ -11,14 +11,14 @@
 namespace plumbline {
 
 template <class L>
-concept RobustLoss = requires(const L& loss, typename L::Scalar s) {
+concept RobustLoss = std::floating_point<typename L::Scalar> && requires(const L& loss, typename L::Scalar s) {
   { loss.rho(s) } -> std::same_as<typename L::Scalar>;
   { loss.weight(s) } -> std::same_as<typename L::Scalar>;
   { loss.second(s) } -> std::same_as<typename L::Scalar>;
 };
 
 /// Least squares.
-template <std::floating_point S>
+template <class S>
 struct NoLoss {
   using Scalar = S;
   S rho(S s) const { return s; }
@@ -27,17 +27,23 @@ struct NoLoss {
 };
 
 /// (1) Quadratic up to c sigma, linear beyond. 95 % efficient for one row; take sqrt(5.991) for two.
-template <std::floating_point S>
+template <class S>
 struct Huber {
   using Scalar = S;
   S c = S(1.345);
   S rho(S s) const { return s <= c * c ? s : 2 * c * std::sqrt(s) - c * c; }
   S weight(S s) const { return s <= c * c ? S(1) : c / std::sqrt(s); }
   S second(S s) const { return s <= c * c ? S(0) : -c / (2 * s * std::sqrt(s)); }
+
+  template <int Rows>
+  static constexpr Huber for_rows() {
+    static_assert(Rows >= 1 && Rows <= 3);
+    return {Rows == 1 ? S(1.345) : Rows == 2 ? S(2.45) : S(2.8)};  // sqrt(chi2_95) of two and three rows
+  }
 };
 
 /// (2) Grows with the logarithm.
-template <std::floating_point S>
+template <class S>
 struct Cauchy {
   using Scalar = S;
   S c = S(2.385);
@@ -47,7 +53,7 @@ struct Cauchy {
 };
 
 /// (3) Outliers beyond c sigma have no weight at all: needs a good start.
-template <std::floating_point S>
+template <class S>
 struct Tukey {
   using Scalar = S;
   S c = S(4.685);
@@ -60,7 +66,7 @@ struct Tukey {
 };
 
 /// (4) Negative log-likelihood of a t-distribution; small residuals weigh (nu + 1) / nu.
-template <std::floating_point S>
+template <class S>
 struct StudentT {
   using Scalar = S;
   S nu = S(5);
@@ -70,7 +76,7 @@ struct StudentT {
 };
 
 /// (5) Bounded by k; a residual of s = k has a quarter of the weight.
-template <std::floating_point S>
+template <class S>
 struct GemanMcClure {
   using Scalar = S;
   S k = S(5.991);  // chi-square, 95 %, two rows
@@ -78,6 +84,16 @@ struct GemanMcClure {
   S weight(S s) const { return k / (k + s) * (k / (k + s)); }
   S second(S s) const { return -2 * weight(s) / (k + s); }
 };
+
+/// The kernel for residuals of so many rows: as wide as it says itself by `for_rows<Rows>()`, or as by default.
+template <template <class> class Loss, class S, int Rows>
+inline constexpr Loss<S> loss_for = [] {
+  if constexpr (requires { Loss<S>::template for_rows<Rows>(); }) {
+    return Loss<S>::template for_rows<Rows>();
+  } else {
+    return Loss<S>{};
+  }
+}();
 
 static_assert(RobustLoss<NoLoss<float>> && RobustLoss<Huber<float>> && RobustLoss<Cauchy<double>>);
 static_assert(RobustLoss<Tukey<float>> && RobustLoss<StudentT<float>> && RobustLoss<GemanMcClure<double>>);

@@ -1,0 +1,75 @@
+// What an estimator is composed of follows from the types that name it, and from nothing else.
+#include "plumbline/estimator/composition.hpp"
+
+#include <concepts>
+
+#include "catch.hpp"
+#include "plumbline/backend/sliding_window.hpp"
+#include "plumbline/camera/pinhole.hpp"
+#include "plumbline/feature/features.hpp"
+#include "plumbline/feature/lines.hpp"
+#include "plumbline/feature/points.hpp"
+#include "plumbline/feature/start_points.hpp"
+#include "plumbline/sensor/imu.hpp"
+#include "plumbline/sensor/mono.hpp"
+#include "plumbline/sensor/rgbd.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+using Camera = Pinhole<float>;
+using MonoRig = Rig<Mono<Camera>>;
+using MonoImuRig = Rig<Mono<Camera>, Imu>;
+using RgbdRig = Rig<Rgbd<Camera>>;
+using RgbdImuRig = Rig<Rgbd<Camera>, Imu>;
+
+template <class Sensors, class FeatureSet = Features<Points<50>>>
+using Of = Composition<Sensors, FeatureSet, SlidingWindow<4>>;
+
+}  // namespace
+
+TEST_CASE("composition: the IMU decides on the motion model, and with it on a frame's state and on links") {
+  STATIC_REQUIRE(std::same_as<Of<MonoRig>::Motion, ConstantVelocity<MonoRig>>);
+  STATIC_REQUIRE(std::same_as<Of<RgbdRig>::Motion, ConstantVelocity<RgbdRig>>);
+  STATIC_REQUIRE(std::same_as<Of<MonoImuRig>::Motion, Inertial<MonoImuRig>>);
+  STATIC_REQUIRE(std::same_as<Of<RgbdImuRig>::Motion, Inertial<RgbdImuRig>>);
+  STATIC_REQUIRE(std::same_as<Of<MonoRig>::Window, FrameWindow<float, VisualLayout, 4>>);
+  STATIC_REQUIRE(std::same_as<Of<MonoImuRig>::Window, FrameWindow<float, InertialLayout, 4>>);
+  STATIC_REQUIRE(std::same_as<Of<RgbdRig>::Backend::Links, NoLinks>);
+  STATIC_REQUIRE(std::same_as<Of<RgbdImuRig>::Backend::Links, InertialLinks<float, 4>>);
+}
+
+TEST_CASE("composition: depth decides on the start, an IMU comes on top of it") {
+  STATIC_REQUIRE(std::same_as<Of<RgbdRig>::Start, DepthStart<float>>);
+  STATIC_REQUIRE(std::same_as<Of<MonoRig>::Start, TwoViewStart<float, false>>);
+  STATIC_REQUIRE(std::same_as<Of<RgbdImuRig>::Start, InertialStart<float, DepthStart<float>>>);
+  STATIC_REQUIRE(std::same_as<Of<MonoImuRig>::Start, InertialStart<float, TwoViewStart<float, true>>>);
+}
+
+TEST_CASE("composition: each kind has a store of its own and the front end that the policy names") {
+  using Both = Of<RgbdRig, Features<Points<50>, Lines<20>>>;
+  using PointStore = LandmarkStore<PointKind<RgbdRig>, 50, 4>;
+  using LineStore = LandmarkStore<LineKind<RgbdRig>, 20, 4>;
+  STATIC_REQUIRE(std::same_as<Both::Landmarks, LandmarkSet<PointStore, LineStore>>);
+  STATIC_REQUIRE(std::same_as<Both::FrontEnds::Of<Points<50>>, PointFlow<PointStore>>);
+  STATIC_REQUIRE(std::same_as<Both::FrontEnds::Of<Lines<20>>, EdgeFollowing<LineStore>>);
+  using Begun = Of<MonoImuRig, Features<StartPoints<60>, Lines<20>>>;
+  using StartStore = LandmarkStore<PointKind<MonoImuRig>, 60, 4>;
+  STATIC_REQUIRE(std::same_as<Begun::FrontEnds::Of<StartPoints<60>>, StartFlow<StartStore>>);
+}
+
+TEST_CASE("composition: the robust kernel is a part of a kind") {
+  using Robust = Of<RgbdRig, Features<Points<50, Cauchy>, Lines<20, LineSegmentDetector<>, Tukey>>>;
+  using PointStore = LandmarkStore<PointKind<RgbdRig, Cauchy>, 50, 4>;
+  using LineStore = LandmarkStore<LineKind<RgbdRig, Tukey>, 20, 4>;
+  STATIC_REQUIRE(std::same_as<Robust::Landmarks, LandmarkSet<PointStore, LineStore>>);
+  STATIC_REQUIRE(std::same_as<Robust::FrontEnds::Of<Points<50, Cauchy>>, PointFlow<PointStore>>);
+  STATIC_REQUIRE(std::same_as<Features<Points<50>>, Features<Points<50, Huber>>>);
+}
+
+TEST_CASE("composition: a camera without depth starts by what relates two views") {
+  STATIC_REQUIRE(Of<MonoRig>::FrontEnds::relates_two_views);
+  STATIC_REQUIRE(Of<MonoRig, Features<StartPoints<60>, Lines<20>>>::FrontEnds::relates_two_views);
+  STATIC_REQUIRE(!Of<RgbdRig, Features<Lines<20>>>::FrontEnds::relates_two_views);
+}
