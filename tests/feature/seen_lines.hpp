@@ -1,12 +1,15 @@
 #pragma once
 // Lines seen by keyframes, without images: exact truth at the level of observations.
 
+#include <Eigen/LU>
 #include <memory>
 #include <vector>
 
 #include "plumbline/camera/pinhole.hpp"
-#include "plumbline/feature/line_map.hpp"
+#include "plumbline/feature/landmark_store.hpp"
+#include "plumbline/feature/line_kind.hpp"
 #include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/state/frame_window.hpp"
 #include "plumbline/testing/gaussian.hpp"
 #include "residual/points.hpp"
 
@@ -20,11 +23,14 @@ inline Mat<double, 2, 2> depth_covariance() {
   return covariance;
 }
 
-/// A segment with endpoints p, q [camera] as it is measured: `noise` times its sigma off, and claiming that sigma.
-template <class S>
-SegmentObservation<S> observe_segment(const Pinhole<double>& camera, const Vec<double, 3>& p, const Vec<double, 3>& q,
-                                      double noise_scale, testing::Gaussian& noise) {
-  SegmentObservation<S> out;
+/// A segment with endpoints p, q [camera] as it is measured: `noise_scale` times its sigma off, and claiming that sigma.
+/// Of depth and slopes an Observation keeps what it has.
+template <class Observation>
+Observation observe_segment(const Pinhole<double>& camera, const Vec<double, 3>& p, const Vec<double, 3>& q,
+                            double noise_scale, testing::Gaussian& noise) {
+  using Pixels = decltype(Observation::pixels);
+  using S = typename Pixels::S;
+  Observation out;
   const Vec<double, 2> a = camera.project(p).uv, b = camera.project(q).uv, along = (b - a).normalized();
   const Vec<double, 2> across(-along.y(), along.x());
   const Mat<double, 2, 2> L = *square_root_information(pixels_covariance());
@@ -34,32 +40,37 @@ SegmentObservation<S> observe_segment(const Pinhole<double>& camera, const Vec<d
   const Vec<double, 2> start = a + off[0] * across, end = b + off[1] * across;
   const LineObservation<double> seen = observe_line(camera, start, end);
   const LineReprojection<double>& pixels = seen.reprojection;
-  out.valid =
-      seen.valid && out.set_pixels({pixels.bearing_start.template cast<S>(), pixels.bearing_end.template cast<S>(),
-                                    pixels.px_per_rad.template cast<S>()},
-                                   pixels_covariance().cast<S>());
+  out.pixels = Pixels({pixels.bearing_start.template cast<S>(), pixels.bearing_end.template cast<S>(),
+                       pixels.px_per_rad.template cast<S>()},
+                      pixels_covariance().cast<S>());
+  out.valid = seen.valid && out.pixels.valid;
   out.segment = {start.cast<float>(), end.cast<float>(), 20};
   const Vec<double, 2> inverse_depth(1 / p.z() + off_z[0], 1 / q.z() + off_z[1]);
   out.set_depth(inverse_depth.cast<S>(), depth_covariance().cast<S>());
+  Mat<S, 3, 2> slope;
   for (int i = 0; i < 2; ++i) {
     const Vec<double, 3>& bearing = i == 0 ? pixels.bearing_start : pixels.bearing_end;
-    out.bearing_slope.col(i) = (0.3 * Vec<double, 3>(0.2, -0.5, 0.4).cross(bearing)).template cast<S>() * S(i + 1);
+    slope.col(i) = (0.3 * Vec<double, 3>(0.2, -0.5, 0.4).cross(bearing)).template cast<S>() * S(i + 1);
   }
+  out.bearing_slope.set(slope);
   return out;
 }
 
-template <class S>
+template <class S, class SensorsT = Rig<Rgbd<Pinhole<S>, 64 * 64>>>
 struct SeenLines {
   static constexpr int slots = 5, used = 4;
-  using Sensors = Rig<Rgbd<Pinhole<S>, 64 * 64>>;
-  using Map = LineMap<Sensors, 16, slots>;
-  using Landmark = typename Map::Landmark;
+  using Sensors = SensorsT;
+  using Kind = LineKind<Sensors>;
+  using Observation = typename Kind::Observation;
+  using Store = LandmarkStore<Kind, 16, slots>;
+  using Landmark = typename Store::Landmark;
+  using Window = FrameWindow<S, VisualLayout, slots>;
 
   Pinhole<double> camera{460, 460, 319.5, 239.5, {}};
   SE3<double> T_body_cam{SO3<double>::exp({0.1, -0.2, 0.3}), Vec<double, 3>(0.05, -0.1, 0.02)};
   Sensors rig{};
-  std::unique_ptr<Map> map = std::make_unique<Map>(LineOptions{});
-  typename Map::Window window;
+  std::unique_ptr<Store> store = std::make_unique<Store>(StoreOptions{});
+  Window window;
   std::vector<SE3<double>> T_world_body;         ///< true poses of the keyframes
   std::vector<Vec<double, 3>> p_world, q_world;  ///< true endpoints
 
@@ -73,7 +84,7 @@ struct SeenLines {
       T_world_body.push_back(
           SE3<double>(SO3<double>::exp({0.02 * k, -0.05 * k, 0.03 * k}), Vec<double, 3>(0.15 * k, 0.05 * k, -3)) *
           T_body_cam.inverse());
-      window.insert(k, T_world_body.back().template cast<S>());
+      window.insert(k, {T_world_body.back().template cast<S>()});
     }
     for (int i = 0; i < count; ++i) {
       p_world.push_back(random_vector(random, 0.8));
@@ -85,12 +96,12 @@ struct SeenLines {
       for (int k = i % 2; k < used; ++k) {
         landmark.observations[std::size_t(k)] = observe(p_world.back(), q_world.back(), k, noise_scale, noise);
       }
-      landmark.line = true_line(std::size_t(i), landmark.anchor).template cast<S>();
+      landmark.geometry.line = true_line(std::size_t(i), landmark.anchor).template cast<S>();
       landmark.located = true;
-      const SegmentObservation<S>& seen = landmark.seen_by_anchor();
-      landmark.set_extent(SE3<S>(), seen.pixels.bearing_start, seen.pixels.bearing_end);
+      const LineReprojection<S>& seen = landmark.seen_by_anchor().pixels.measured;
+      landmark.geometry.set_extent(SE3<S>(), seen.bearing_start, seen.bearing_end);
       landmark.current = landmark.observations[used - 1];
-      map->landmarks().push_back(landmark);
+      store->landmarks().push_back(landmark);
     }
   }
 
@@ -99,23 +110,25 @@ struct SeenLines {
     const SE3<double> T_cam_world = T_world_cam(slot).inverse();
     return Line3<double>::through(T_cam_world * p_world[i], T_cam_world * q_world[i]);
   }
-  SegmentObservation<S> observe(const Vec<double, 3>& p, const Vec<double, 3>& q, int slot, double noise_scale,
-                                testing::Gaussian& noise) const {
+  Observation observe(const Vec<double, 3>& p, const Vec<double, 3>& q, int slot, double noise_scale,
+                      testing::Gaussian& noise) const {
     const SE3<double> T_cam_world = T_world_cam(slot).inverse();
-    return observe_segment<S>(camera, T_cam_world * p, T_cam_world * q, noise_scale, noise);
+    return observe_segment<Observation>(camera, T_cam_world * p, T_cam_world * q, noise_scale, noise);
   }
 };
 
 /// Measurements in double.
-template <class S>
-LineReprojection<double> pixels_of(const SegmentObservation<S>& seen) {
-  return {seen.pixels.bearing_start.template cast<double>(), seen.pixels.bearing_end.template cast<double>(),
-          seen.pixels.px_per_rad.template cast<double>()};
+template <class Observation>
+LineReprojection<double> pixels_of(const Observation& seen) {
+  const auto& pixels = seen.pixels.measured;
+  return {pixels.bearing_start.template cast<double>(), pixels.bearing_end.template cast<double>(),
+          pixels.px_per_rad.template cast<double>()};
 }
-template <class S>
-LineInverseDepth<double> depth_of(const SegmentObservation<S>& seen) {
-  return {seen.depth.m_start.template cast<double>(), seen.depth.m_end.template cast<double>(),
-          seen.depth.inverse_depth_measured.template cast<double>()};
+template <class Observation>
+LineInverseDepth<double> depth_of(const Observation& seen) {
+  const auto depth = seen.depth.get().measured;
+  return {depth.m_start.template cast<double>(), depth.m_end.template cast<double>(),
+          depth.inverse_depth_measured.template cast<double>()};
 }
 
 }  // namespace plumbline::test

@@ -1,6 +1,5 @@
-// The rows of the motion-only estimate: information and gradient against numeric derivatives and a plain inverse of the
+// What lines say about one frame: information and gradient against numeric derivatives and a plain inverse of the
 // covariance (docs/math/line.md (29)), the readout's column, and the gate.
-#include "plumbline/feature/line_motion_terms.hpp"
 
 #include <cmath>
 #include <limits>
@@ -10,6 +9,7 @@
 
 #include "catch.hpp"
 #include "feature/seen_lines.hpp"
+#include "plumbline/feature/motion_terms.hpp"
 #include "plumbline/testing/numeric_jacobian.hpp"
 
 using namespace plumbline;
@@ -20,29 +20,20 @@ namespace {
 template <class S>
 struct Scene : SeenLines<S> {
   using Base = SeenLines<S>;
-  using Sensors = typename Base::Sensors;
   using Landmark = typename Base::Landmark;
-  std::unique_ptr<RigPyramid<Sensors>> pyramid = std::make_unique<RigPyramid<Sensors>>();
-  std::unique_ptr<typename Base::Map::MotionTerms> terms = std::make_unique<typename Base::Map::MotionTerms>();
+  using Terms = MotionTerms<typename Base::Store>;
+  std::unique_ptr<Terms> terms = std::make_unique<Terms>();
   /// Some pixels off the last keyframe's.
   SE3<double> T = plus(Base::T_world_body[3], Vec<double, 6>(2e-3, -1e-3, 1e-3, 4e-3, -5e-3, 3e-3));
 
   explicit Scene(int count, double noise_scale = 1) : Base(count, noise_scale) {
-    for (Landmark& landmark : Base::map->landmarks()) {
+    for (Landmark& landmark : Base::store->landmarks()) {
       Mat<double, 4, 4> A;
       A << 3, 0, 0, 0, 1, 2, 0, 0, -1, 1, 3, 0, 1, -1, 2, 4;
-      landmark.covariance = (1e-7 * A * A.transpose()).cast<S>();
+      landmark.geometry.covariance = (1e-7 * A * A.transpose()).cast<S>();
     }
   }
-  void collect() {
-    const View<Sensors> view{Base::rig,
-                             *pyramid,
-                             *pyramid,
-                             {},
-                             Base::T_body_cam.template cast<S>(),
-                             {Base::rig.vision.camera, 480, S(0), Vec<S, 3>::Zero()}};
-    terms->collect(view, *Base::map, Base::window);
-  }
+  void collect() { terms->collect(*Base::store, Base::window, Base::T_body_cam.template cast<S>()); }
   BodyView<S> body(const SE3<double>& pose) const {
     return {pose.template cast<S>(), Base::T_body_cam.template cast<S>()};
   }
@@ -53,27 +44,28 @@ template <class S>
 void add_reference(const Scene<S>& scene, const typename Scene<S>::Landmark& original, const SE3<double>& T,
                    Mat<double, 7, 7>& H, Vec<double, 7>& b, double& cost) {
   const SE3<double> T_world_anchor =
-      scene.window[original.anchor].pose.value().template cast<double>() * scene.T_body_cam;
+      scene.window.T_world_body(original.anchor).template cast<double>() * scene.T_body_cam;
   const Huber<double> loss{2.45};
-  const auto errors = [&](const SE3<double>& pose, const Line3<double>& line, const SegmentObservation<S>& seen,
-                          bool depth) -> Vec<double, 2> {
+  const auto errors = [&](const SE3<double>& pose, const Line3<double>& line,
+                          const typename Scene<S>::Observation& seen, bool depth) -> Vec<double, 2> {
     const Plucker<double> in_cam = (pose * scene.T_body_cam).inverse() * (T_world_anchor * line.plucker());
     return depth ? test::depth_of(seen).residual(in_cam) : test::pixels_of(seen).residual(in_cam);
   };
-  const Line3<double> line = original.line.template cast<double>();
+  const Line3<double> line = original.geometry.line.template cast<double>();
   for (const bool depth : {false, true}) {
-    if (depth && !original.current.has_depth) continue;
+    if (depth && !original.current.has_depth()) continue;
     const auto of_pose = [&](const SE3<double>& pose) { return errors(pose, line, original.current, depth); };
     const auto of_line = [&](const Line3<double>& x) { return errors(T, x, original.current, depth); };
     const auto of_readout = [&](const Vec<double, 1>& readout) {
       auto landmark = original;
-      landmark.change_readout(S(readout[0]));
-      return errors(T, landmark.line.template cast<double>(), landmark.current, depth);
+      Scene<S>::Kind::change_readout(landmark.geometry, landmark.seen_by_anchor(), S(readout[0]));
+      landmark.current.change_readout(S(readout[0]));
+      return errors(T, landmark.geometry.line.template cast<double>(), landmark.current, depth);
     };
     const Mat<double, 2, 4> J_line = testing::numeric_jacobian<2, 4>(of_line, line, 1e-5);
     const Mat<double, 2, 2> covariance =
-        (depth ? original.current.depth_covariance : original.current.pixels_covariance).template cast<double>() +
-        J_line * original.covariance.template cast<double>() * J_line.transpose();
+        (depth ? original.current.depth.get().covariance : original.current.pixels.covariance).template cast<double>() +
+        J_line * original.geometry.covariance.template cast<double>() * J_line.transpose();
     Mat<double, 2, 7> J = Mat<double, 2, 7>::Zero();
     J.leftCols<6>() = testing::numeric_jacobian<2, 6>(of_pose, T, 1e-5);
     if (!depth) {  // a step that float still resolves
@@ -91,20 +83,20 @@ void add_reference(const Scene<S>& scene, const typename Scene<S>::Landmark& ori
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("line_motion_terms: information, gradient and cost are those of numeric derivatives", "", float,
+TEMPLATE_TEST_CASE("motion_terms (lines): information, gradient and cost are those of numeric derivatives", "", float,
                    double) {
   using S = TestType;
   const double tolerance = std::is_same_v<S, float> ? 2e-2 : 1e-5;
   Scene<S> scene(10);
-  scene.map->landmarks()[1].current.has_depth = false;
-  scene.map->landmarks()[2].located = false;
-  scene.map->landmarks()[3].current.valid = false;
+  scene.store->landmarks()[1].current.forget_depth();
+  scene.store->landmarks()[2].located = false;
+  scene.store->landmarks()[3].current.valid = false;
   scene.collect();
   REQUIRE(scene.terms->size() == 8);
   Mat<double, 7, 7> H = Mat<double, 7, 7>::Zero();
   Vec<double, 7> b = Vec<double, 7>::Zero();
   double cost = 0;
-  for (const auto& landmark : scene.map->landmarks()) {
+  for (const auto& landmark : scene.store->landmarks()) {
     if (landmark.located && landmark.current.valid) add_reference(scene, landmark, scene.T, H, b, cost);
   }
   DenseNormalEquations<S, 7> seven;
@@ -122,7 +114,7 @@ TEMPLATE_TEST_CASE("line_motion_terms: information, gradient and cost are those 
   REQUIRE((six.b() - seven.b().template head<6>()).norm() <= S(1e-6) * six.b().norm());
 }
 
-TEST_CASE("line_motion_terms: exact lines give the exact pose, and the gate lets all of them pass") {
+TEST_CASE("motion_terms (lines): exact lines give the exact pose, and the gate lets all of them pass") {
   Scene<double> scene(12, 0);
   scene.collect();
   SE3<double> T = scene.T;
@@ -134,35 +126,35 @@ TEST_CASE("line_motion_terms: exact lines give the exact pose, and the gate lets
     T = plus(T, d);
   }
   REQUIRE(minus(T, scene.T_world_body[3]).norm() < 1e-9);
-  REQUIRE(scene.terms->gate(scene.rig, *scene.map, scene.body(T), 13.8) == 12);
+  REQUIRE(scene.terms->gate(scene.rig, *scene.store, scene.body(T), 13.8) == 12);
 }
 
-TEST_CASE("line_motion_terms: the gate rejects what does not fit and scales the rest") {
+TEST_CASE("motion_terms (lines): the gate rejects what does not fit and scales the rest") {
   Scene<double> scene(12, 3);  // three times the noise that is claimed
-  for (auto& landmark : scene.map->landmarks()) landmark.covariance.setZero();
-  auto& wrong = scene.map->landmarks()[4].current;
+  for (auto& landmark : scene.store->landmarks()) landmark.geometry.covariance.setZero();
+  auto& wrong = scene.store->landmarks()[4].current;
   testing::Gaussian noise(1);
   wrong = scene.observe(scene.p_world[4] + Vec<double, 3>(0.3, -0.3, 0.1), scene.q_world[4], 3, 0, noise);
-  auto& broken = scene.map->landmarks()[5].current;
-  broken.pixels.bearing_start.setConstant(std::numeric_limits<double>::quiet_NaN());
-  const Mat<double, 2, 2> L = scene.map->landmarks()[0].current.pixels_L;
+  auto& broken = scene.store->landmarks()[5].current;
+  broken.pixels.measured.bearing_start.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const Mat<double, 2, 2> L = scene.store->landmarks()[0].current.pixels.L;
   scene.collect();
-  REQUIRE(scene.terms->gate(scene.rig, *scene.map, scene.body(scene.T_world_body[3]), 13.8) == 10);
-  REQUIRE_FALSE(scene.map->landmarks()[4].current.valid);
-  REQUIRE_FALSE(scene.map->landmarks()[5].current.valid);
-  REQUIRE(scene.map->landmarks()[0].current.valid);
-  const double scale = L(0, 0) / scene.map->landmarks()[0].current.pixels_L(0, 0);
+  REQUIRE(scene.terms->gate(scene.rig, *scene.store, scene.body(scene.T_world_body[3]), 13.8) == 10);
+  REQUIRE_FALSE(scene.store->landmarks()[4].current.valid);
+  REQUIRE_FALSE(scene.store->landmarks()[5].current.valid);
+  REQUIRE(scene.store->landmarks()[0].current.valid);
+  const double scale = L(0, 0) / scene.store->landmarks()[0].current.pixels.L(0, 0);
   REQUIRE(scale > 1.5);
   REQUIRE(scale < 6);
 }
 
-TEST_CASE("line_motion_terms: nothing seen is no information") {
+TEST_CASE("motion_terms (lines): nothing seen is no information") {
   Scene<double> scene(3);
-  for (auto& landmark : scene.map->landmarks()) landmark.current.valid = false;
+  for (auto& landmark : scene.store->landmarks()) landmark.current.valid = false;
   scene.collect();
   REQUIRE(scene.terms->size() == 0);
   DenseNormalEquations<double, 6> system;
   scene.terms->accumulate(scene.rig, scene.body(scene.T), system);
   REQUIRE(system.H().isZero(0));
-  REQUIRE(scene.terms->gate(scene.rig, *scene.map, scene.body(scene.T), 13.8) == 0);
+  REQUIRE(scene.terms->gate(scene.rig, *scene.store, scene.body(scene.T), 13.8) == 0);
 }
