@@ -1,0 +1,68 @@
+#include "plumbline/start/alignment_window.hpp"
+
+#include <type_traits>
+
+#include "catch.hpp"
+#include "imu/simulated_alignment.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+constexpr double step_s = 0.2;  // between the frames of a SimulatedAlignment
+
+template <class S>
+InertialAlignmentOptions exact_poses() {
+  InertialAlignmentOptions options;
+  options.rotation_sigma = 0;
+  options.position_sigma = std::is_same_v<S, float> ? 1e-5 : 1e-6;
+  options.accel_bias_sigma = 100;
+  options.max_scale_sigma = 0.5;
+  return options;
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("alignment_window: frames closer than the interval are joined", "", float, double) {
+  using S = TestType;
+  const test::SimulatedAlignment<S> s(1, 1.5, {0.02, -0.01, 0.05}, {0.1, 0.2, -0.15}, 17);
+  for (const int joined : {1, 2}) {
+    CAPTURE(joined);
+    AlignmentWindow<S> window;
+    for (std::size_t k = 0; k < s.frames.size(); ++k) {
+      const bool is_pose = window.add(s.frames[k].T_ref_cam, s.imu[k], (joined - 0.1) * step_s);
+      REQUIRE(is_pose == (int(k) % joined == 0));
+    }
+    const auto found = window.align(s.T_body_cam.template cast<S>(), exact_poses<S>(), standard_gravity<double>);
+    CAPTURE(name_of(found.outcome));
+    REQUIRE(found);
+    REQUIRE(found.v_world_body.size() == (joined == 1 ? 17 : 9));
+    REQUIRE(double(found.scale) == Approx(1.5).epsilon(std::is_same_v<S, float> ? 1e-2 : 1e-3));
+    REQUIRE((found.bias_gyro.template cast<double>() - Vec<double, 3>(0.02, -0.01, 0.05)).norm() < 2e-3);
+  }
+}
+
+TEST_CASE("alignment_window: the newest poses are kept when there is no more room") {
+  using Window = AlignmentWindow<double>;
+  const int count = Window::capacity + 6;
+  const test::SimulatedAlignment<double> s(2, 1.5, {0.02, -0.01, 0.05}, {0.1, 0.2, -0.15}, count);
+  Window window;
+  for (std::size_t k = 0; k < s.frames.size(); ++k) REQUIRE(window.add(s.frames[k].T_ref_cam, s.imu[k], 0.9 * step_s));
+  const auto found = window.align(s.T_body_cam, exact_poses<double>(), standard_gravity<double>);
+  REQUIRE(found);
+  REQUIRE(found.v_world_body.size() == std::size_t(Window::capacity));
+  REQUIRE(found.scale == Approx(1.5).epsilon(1e-3));
+  // The first of them is the seventh of all: the world of the alignment differs by a rotation about gravity.
+  REQUIRE(found.v_world_body[0].norm() == Approx(s.truth[6].v_world_body.norm()).epsilon(1e-2));
+}
+
+TEST_CASE("alignment_window: a new series has forgotten the old one") {
+  const test::SimulatedAlignment<double> s(3, 1, {0, 0, 0}, {0, 0, 0});
+  AlignmentWindow<double> window;
+  for (std::size_t k = 0; k < s.frames.size(); ++k) window.add(s.frames[k].T_ref_cam, s.imu[k], 0.9 * step_s);
+  window.clear();
+  REQUIRE(
+      window.add(s.frames[0].T_ref_cam, s.imu[0], 0.9 * step_s));  // the first pose of a series, whatever its interval
+  const auto found = window.align(s.T_body_cam, exact_poses<double>(), standard_gravity<double>);
+  REQUIRE(found.outcome == AlignmentOutcome::too_few_frames);
+}
