@@ -1,5 +1,5 @@
 // From rows with a known readout error.
-#include "plumbline/estimator/readout_filter.hpp"
+#include "plumbline/state/readout_filter.hpp"
 
 #include <cmath>
 

@@ -3,6 +3,7 @@
 /// motion models and residuals work on.
 
 #include <tuple>
+#include <type_traits>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/imu/nav_state.hpp"
@@ -10,7 +11,6 @@
 #include "plumbline/state/layout.hpp"
 
 namespace plumbline {
-
 
 /// The plain values of a frame's blocks. A layout of one's own specializes it.
 template <class S, class L>

@@ -27,9 +27,10 @@ class RigState {
   /// state::ReadoutTime; zero, and known, of a global shutter.
   Readout<S> readout() const { return readout_.get().readout(); }
 
-  /// Takes what one frame says about the readout time; returns by how much it changed [s].
+  /// Takes what one frame says about the readout time, unless it is known; returns by how much it changed [s].
   S update_readout(const typename ReadoutFilter<S>::Equations& system, S dt) {
     ReadoutFilter<S> filter = readout_.get();
+    if (filter.known()) return S(0);
     filter.update(system, dt);
     const S change = filter.readout().value_s - readout().value_s;
     readout_.set(filter);

@@ -1,0 +1,73 @@
+#include "plumbline/state/rig_state.hpp"
+
+#include "catch.hpp"
+#include "plumbline/camera/pinhole.hpp"
+#include "plumbline/lie/plus.hpp"
+#include "plumbline/sensor/imu.hpp"
+#include "plumbline/sensor/mono.hpp"
+#include "plumbline/sensor/rgbd.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+template <class S, class Shutter>
+using RigOf = Rig<Mono<Pinhole<S>, 64 * 64, Shutter>>;
+
+/// A frame that says that the readout is `error` too long.
+template <class S>
+typename ReadoutFilter<S>::Equations frame(S error) {
+  typename ReadoutFilter<S>::Equations system;
+  for (int k = 0; k < 7; ++k) {
+    Mat<S, 1, 7> J = Mat<S, 1, 7>::Zero();
+    J(k) = S(1000);
+    system.add(J, Vec<S, 1>(k == 6 ? J(k) * error : S(0)), S(1));
+  }
+  return system;
+}
+
+}  // namespace
+
+// The readout of a global shutter takes no memory.
+static_assert(sizeof(RigState<RigOf<float, Global>>) == sizeof(SE3<float>));
+static_assert(sizeof(RigState<RigOf<float, Rolling>>) >= sizeof(SE3<float>) + sizeof(ReadoutFilter<float>));
+
+TEMPLATE_TEST_CASE("rig_state: what is found out about the readout is in force", "", float, double) {
+  using S = TestType;
+  RigOf<S, Rolling> rig{};
+  rig.vision.readout.set({S(0.01), S(0.02)});
+  RigState<RigOf<S, Rolling>> rig_state(rig, {});
+  REQUIRE(rig_state.readout().value_s == S(0.01));
+  REQUIRE(rig_state.readout().sigma_s == S(0.02));
+  const S change = rig_state.update_readout(frame<S>(S(-0.01)), S(0.03));
+  REQUIRE(change > S(0.005));
+  REQUIRE(rig_state.readout().value_s == S(0.01) + change);
+  REQUIRE(rig_state.readout().sigma_s < S(0.01));
+  REQUIRE(rig.vision.readout.get().value_s == S(0.01));  // the calibration stays as it is
+}
+
+TEMPLATE_TEST_CASE("rig_state: a global shutter has a readout of zero, and nothing changes that", "", float, double) {
+  using S = TestType;
+  const RigOf<S, Global> rig{};
+  RigState<RigOf<S, Global>> rig_state(rig, {});
+  REQUIRE(rig_state.readout().value_s == 0);
+  REQUIRE(rig_state.readout().sigma_s == 0);
+  REQUIRE(rig_state.update_readout(frame<S>(S(-0.01)), S(0.03)) == 0);
+  REQUIRE(rig_state.readout().value_s == 0);
+}
+
+TEST_CASE("rig_state: a readout that is known stays as it is") {
+  RigOf<double, Rolling> rig{};
+  rig.vision.readout.set({0.01, 0});
+  RigState<RigOf<double, Rolling>> rig_state(rig, {});
+  REQUIRE(rig_state.update_readout(frame<double>(-0.01), 0.03) == 0);
+  REQUIRE(rig_state.readout().value_s == 0.01);
+}
+
+TEST_CASE("rig_state: extrinsics are those of the calibration") {
+  Rig<Mono<Pinhole<float>>, Imu> rig{};
+  rig.imu.T_body_cam = SE3<double>(SO3<double>::exp({0.1, 0.2, 0.3}), Vec<double, 3>(1, 2, 3));
+  const RigState<Rig<Mono<Pinhole<float>>, Imu>> rig_state(rig, {});
+  REQUIRE(minus(rig_state.T_body_cam(), rig.imu.T_body_cam.cast<float>()).norm() < 1e-6f);
+  REQUIRE(RigState<RigOf<double, Global>>({}, {}).T_body_cam().log().norm() == 0);
+}
