@@ -49,8 +49,9 @@ double error_m(const Estimate<double>& estimate, int i) {
 
 int lines_in_sight(const auto& vio) {
   int n = 0;
-  vio.features().for_each([&](const auto& map) {
-    if constexpr (requires { map.options().detector; }) n += map.tracked_count();
+  vio.landmarks().for_each([&](const auto& store) {
+    using Kind = typename std::remove_cvref_t<decltype(store)>::Kind;
+    if constexpr (std::is_same_v<Kind, LineKind<Sensors>>) n += store.tracked_count();
   });
   return n;
 }

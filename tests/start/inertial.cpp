@@ -1,13 +1,11 @@
 // The start of an estimator with an IMU that is shaken by hand from its first reading on.
-#include "plumbline/estimator/inertial_start.hpp"
+#include "plumbline/start/inertial.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <set>
-#include <string>
 #include <vector>
 
 #include "catch.hpp"
@@ -66,7 +64,7 @@ ShakenRun shaken_run(std::uint64_t seed, double max_bias = InertialStartOptions{
   rig.imu.T_body_cam = T_body_cam;
   rig.imu.noise = quality.noise;
   typename Vio::Options options;
-  options.fusion.start.max_accel_bias_sigmas = max_bias;
+  options.start.max_accel_bias_sigmas = max_bias;
   const auto vio = std::make_unique<Vio>(rig, options);
 
   ShakenRun out;
@@ -121,13 +119,6 @@ void print(const char* sensors, std::vector<double> start_s) {
 }
 
 }  // namespace
-
-TEST_CASE("inertial_start: every stage has a name of its own") {
-  std::set<std::string> names;
-  for (int k = 0; k <= int(InitStage::done); ++k) names.insert(name_of(InitStage(k)));
-  REQUIRE(names.size() == std::size_t(InitStage::done) + 1);
-  REQUIRE(names.count("unknown") == 0);
-}
 
 TEST_CASE("inertial_start: a camera without depth, shaken by hand from the first reading on") {
   std::vector<double> start_s;

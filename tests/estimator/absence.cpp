@@ -1,0 +1,173 @@
+// What an estimator does not have takes no memory: no IMU, no depth, no rolling shutter, no lines, no links, no map.
+#include <cstddef>
+#include <cstdio>
+#include <type_traits>
+
+#include "catch.hpp"
+#include "plumbline/backend/sliding_window.hpp"
+#include "plumbline/camera/pinhole.hpp"
+#include "plumbline/core/present.hpp"
+#include "plumbline/estimator/estimator.hpp"
+#include "plumbline/feature/features.hpp"
+#include "plumbline/feature/lines.hpp"
+#include "plumbline/feature/points.hpp"
+#include "plumbline/map/no_map.hpp"
+#include "plumbline/sensor/imu.hpp"
+#include "plumbline/sensor/mono.hpp"
+#include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/state/rig_state.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+using S = float;
+using Camera = Pinhole<S>;
+constexpr std::size_t max_pixels = 160 * 128;
+constexpr int slots = 5;
+
+template <bool imu, bool depth, bool rolls>
+using RigOf = Rig<std::conditional_t<depth, Rgbd<Camera, max_pixels, std::conditional_t<rolls, Rolling, Global>>,
+                                     Mono<Camera, max_pixels, std::conditional_t<rolls, Rolling, Global>>>,
+                  std::conditional_t<imu, Imu, NoImu>>;
+template <bool lines>
+using FeaturesOf = std::conditional_t<lines, Features<Points<60>, Lines<30>>, Features<Points<60>>>;
+
+template <bool imu, bool depth, bool rolls, bool lines>
+using PartsOf = Composition<RigOf<imu, depth, rolls>, FeaturesOf<lines>, SlidingWindow<slots>>;
+template <bool imu, bool depth, bool rolls, bool lines>
+using VioOf = Estimator<RigOf<imu, depth, rolls>, FeaturesOf<lines>, SlidingWindow<slots>>;
+
+template <bool imu, bool depth, bool rolls, bool lines>
+constexpr std::size_t size = sizeof(VioOf<imu, depth, rolls, lines>);
+
+/// visit<imu, depth, rolls, lines>() of all sixteen.
+void for_each_combination(auto&& visit) {
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (visit.template operator()<(I & 8) != 0, (I & 4) != 0, (I & 2) != 0, (I & 1) != 0>(), ...);
+  }
+  (std::make_index_sequence<16>{});
+}
+
+/// Bigger by nothing when it is absent, wherever it stands.
+template <class Absent>
+struct WithAbsent {
+  float value;
+  [[no_unique_address]] Absent absent;
+};
+template <class Absent>
+constexpr bool is_free = std::is_empty_v<Absent> && sizeof(WithAbsent<Absent>) == sizeof(float);
+
+}  // namespace
+
+TEST_CASE("absence: what stands for nothing is an empty type of its own") {
+  STATIC_REQUIRE(is_free<NoImu>);
+  STATIC_REQUIRE(is_free<NoLinks>);
+  STATIC_REQUIRE(is_free<NoLink>);
+  STATIC_REQUIRE(is_free<NoMap<S>>);
+  STATIC_REQUIRE(is_free<Present<Readout<S>, false>>);
+  STATIC_REQUIRE(is_free<Present<InverseDepth<S>, false>>);
+  STATIC_REQUIRE(is_free<Present<Vec<S, 3>, false>>);
+  STATIC_REQUIRE(is_free<DepthStart<S>>);
+}
+
+TEST_CASE("absence: a rig is its camera and two numbers") {
+  STATIC_REQUIRE(sizeof(RigOf<false, false, false>) == sizeof(Camera) + 2 * sizeof(int));
+  STATIC_REQUIRE(sizeof(RigOf<false, false, true>) == sizeof(RigOf<false, false, false>) + sizeof(Readout<S>));
+  STATIC_REQUIRE(sizeof(RigOf<false, true, false>) == sizeof(RigOf<false, false, false>) + sizeof(DepthSensor<S>));
+  STATIC_REQUIRE(sizeof(RigState<RigOf<false, false, false>>) == sizeof(SE3<S>));
+}
+
+TEST_CASE("absence: a landmark of a global shutter without depth is its geometry, its pixel and the weight of it") {
+  using Bare = PointKind<RigOf<false, false, false>>;
+  using Deep = PointKind<RigOf<false, true, false>>;
+  using Rolled = PointKind<RigOf<false, false, true>>;
+  STATIC_REQUIRE(sizeof(Bare::Geometry) == 5 * sizeof(S));
+  STATIC_REQUIRE(sizeof(Rolled::Geometry) == 8 * sizeof(S));
+  struct Seen {
+    bool valid;
+    Vec<float, 2> pixel, uv;
+    Mat<float, 2, 2> L;
+  };
+  STATIC_REQUIRE(sizeof(Bare::Observation) == sizeof(Seen));
+  STATIC_REQUIRE(sizeof(Deep::Observation) > sizeof(Seen));
+  STATIC_REQUIRE(sizeof(Rolled::Observation) > sizeof(Seen));
+  STATIC_REQUIRE((Bare::rows_per_view == 2 && Deep::rows_per_view == 3));
+  STATIC_REQUIRE((Bare::Motion::dim == 6 && Rolled::Motion::dim == 7));
+
+  using BareLine = LineKind<RigOf<false, false, false>>;
+  using DeepLine = LineKind<RigOf<false, true, false>>;
+  using RolledLine = LineKind<RigOf<false, false, true>>;
+  STATIC_REQUIRE(sizeof(DeepLine::Observation) - sizeof(BareLine::Observation) >=
+                 sizeof(SegmentMeasurement<LineInverseDepth<S>>));
+  STATIC_REQUIRE(sizeof(RolledLine::Observation) - sizeof(BareLine::Observation) >= sizeof(Mat<S, 3, 2>));
+  STATIC_REQUIRE((BareLine::rows_per_view == 2 && DeepLine::rows_per_view == 4));
+}
+
+TEST_CASE("absence: a frame of a camera alone is a pose, and a window of them has nothing else") {
+  using Bare = PartsOf<false, false, false, false>;
+  using Inertial = PartsOf<true, false, false, false>;
+  STATIC_REQUIRE(Bare::Backend::Layout::dim == 6);
+  STATIC_REQUIRE(Inertial::Backend::Layout::dim == 15);
+  STATIC_REQUIRE(sizeof(FrameState<S, VisualLayout>) == sizeof(Estimated<state::Pose, S>));
+  // The equations of the window alone grow by the squares of 6 and 15.
+  STATIC_REQUIRE(sizeof(Inertial::Backend) - sizeof(Bare::Backend) >
+                 sizeof(double) * (15 * 15 - 6 * 6) * slots * slots + sizeof(InertialLinks<S, slots>));
+  STATIC_REQUIRE(sizeof(Inertial::Motion) - sizeof(Bare::Motion) > sizeof(ImuBuffer<>));
+  STATIC_REQUIRE(sizeof(Bare::Motion) <= 64);
+}
+
+TEST_CASE("absence: an estimator without lines lacks at least their store, their front end and their terms") {
+  for_each_combination([]<bool imu, bool depth, bool rolls, bool lines>() {
+    if constexpr (lines) {
+      using Parts = PartsOf<imu, depth, rolls, true>;
+      using Store = std::remove_cvref_t<decltype(std::declval<typename Parts::Landmarks>().template get<1>())>;
+      using FrontEnd = typename Parts::FrontEnds::template Of<Lines<30>>;
+      constexpr std::size_t of_lines = sizeof(Store) + sizeof(FrontEnd) + sizeof(WindowTerms<Store>);
+      STATIC_REQUIRE(size<imu, depth, rolls, true> - size<imu, depth, rolls, false> >= of_lines);
+    }
+  });
+}
+
+TEST_CASE("absence: whatever is left out makes an estimator smaller, whatever else it has") {
+  std::printf("%-10s %-10s %-10s %-10s %10s\n", "IMU", "depth", "shutter", "lines", "bytes");
+  for_each_combination([]<bool imu, bool depth, bool rolls, bool lines>() {
+    constexpr std::size_t bytes = size<imu, depth, rolls, lines>;
+    std::printf("%-10s %-10s %-10s %-10s %10zu\n", imu ? "yes" : "no", depth ? "yes" : "no",
+                rolls ? "rolling" : "global", lines ? "yes" : "no", bytes);
+    if constexpr (imu) STATIC_REQUIRE(bytes > size<false, depth, rolls, lines>);
+    if constexpr (rolls) STATIC_REQUIRE(bytes > size<imu, depth, false, lines>);
+    if constexpr (lines) STATIC_REQUIRE(bytes > size<imu, depth, rolls, false>);
+  });
+}
+
+TEST_CASE("absence: depth in every observation is gone with the sensor, the start by two views comes instead") {
+  for_each_combination([]<bool imu, bool depth, bool rolls, bool lines>() {
+    if constexpr (depth) {
+      using With = PartsOf<imu, true, rolls, lines>;
+      using Without = PartsOf<imu, false, rolls, lines>;
+      STATIC_REQUIRE(sizeof(typename With::Landmarks) - sizeof(typename Without::Landmarks) >=
+                     60 * (slots + 2) * sizeof(InverseDepth<S>));
+      STATIC_REQUIRE(sizeof(typename With::Backend) > sizeof(typename Without::Backend));
+      STATIC_REQUIRE(sizeof(typename With::Start) < sizeof(typename Without::Start));
+    }
+  });
+}
+
+TEST_CASE("absence: an odometry is the sum of its parts, a map that remembers nothing is none of them") {
+  struct BigMap {
+    std::byte bytes[4096];
+  };
+  for_each_combination([]<bool imu, bool depth, bool rolls, bool lines>() {
+    using Parts = PartsOf<imu, depth, rolls, lines>;
+    using Bare = Odometry<Parts, NoMap<S>>;
+    using Full = Odometry<Parts, BigMap>;
+    STATIC_REQUIRE(sizeof(Full) - sizeof(Bare) >= sizeof(BigMap) - 16);
+    constexpr std::size_t parts = sizeof(typename Parts::Sensors) + sizeof(typename Bare::Options) +
+                                  sizeof(RigState<typename Parts::Sensors>) +
+                                  sizeof(ImagePair<typename Parts::Sensors>) + sizeof(typename Parts::Landmarks) +
+                                  sizeof(typename Parts::FrontEnds) + sizeof(typename Parts::Motion) +
+                                  sizeof(typename Parts::Backend) + sizeof(Estimate<S>) + sizeof(typename Bare::Pose);
+    STATIC_REQUIRE(sizeof(Bare) <= parts + 512);  // alignment, the keyframe's covariance, some counters
+  });
+}
