@@ -99,10 +99,10 @@ void require_whole_unobservable() {
   RunOptions options;
   options.sigma_first = 0.1;
   Run run(3, options);
-  while (run.marginalizations() < 30) {
+  while (run.retirements() < 30) {
     run.step();
     const Vec<double, 4> information = run.information_on_the_whole();
-    CAPTURE(run.marginalizations(), information.transpose());
+    CAPTURE(run.retirements(), information.transpose());
     REQUIRE(information.maxCoeff() < 1 + 1e-6);
     REQUIRE(information.minCoeff() > 0.5);  // 5 cm of error since the start are little beside 10 cm
   }

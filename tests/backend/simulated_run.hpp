@@ -20,15 +20,22 @@
 #include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"
 #include "plumbline/feature/view.hpp"
-#include "plumbline/geometry/line_depth.hpp"
+#include "plumbline/frontend/flow.hpp"
+#include "plumbline/frontend/front_ends.hpp"
+#include "plumbline/frontend/line_location.hpp"
+#include "plumbline/map/no_map.hpp"
+#include "plumbline/motion/inertial.hpp"
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/mono.hpp"
 #include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/start/depth.hpp"
+#include "plumbline/start/inertial.hpp"
 #include "plumbline/testing/gaussian.hpp"
 #include "plumbline/testing/rig.hpp"
 #include "plumbline/testing/simulated_imu.hpp"
 #include "plumbline/testing/simulated_points.hpp"
 #include "plumbline/testing/trajectory.hpp"
+#include "residual/points.hpp"
 
 namespace plumbline::test {
 
@@ -68,8 +75,10 @@ template <class Sensors, int K, class... Kinds>
 class SimulatedRun {
  public:
   using S = typename Sensors::Scalar;
-  using Maps = FeatureMaps<typename Kinds::template Map<Sensors, K>...>;
-  using Backend = WindowBackend<Sensors, Maps, K>;
+  using Motion = Inertial<Sensors>;
+  using FrontEnds = plumbline::FrontEnds<Flow, Sensors, K, Features<Kinds...>>;
+  using Landmarks = typename FrontEnds::Landmarks;
+  using Backend = WindowBackend<Motion, Landmarks, K>;
 
   explicit SimulatedRun(std::uint64_t seed, const RunOptions& options = {})
       : options_(options),
@@ -77,7 +86,7 @@ class SimulatedRun {
         imu_(quality(options.noise), seed),
         noise_(testing::stream_seed(seed, 20)) {
     window_options_.sigma_first_position = window_options_.sigma_first_rotation = options.noise * options.sigma_first;
-    backend_ = std::make_unique<Backend>(window_options_);
+    backend_ = std::make_unique<Backend>(window_options_, typename Motion::Options{});
     points_.sigma_px *= options.noise;
     points_.sigma_inverse_depth *= options.noise;
     points_.scatter(options.points, {4.5, 4.5, 3.5}, testing::stream_seed(seed, 21));
@@ -91,23 +100,22 @@ class SimulatedRun {
   /// The next frame, and its errors.
   FrameError step() {
     advance();
-    const NavState<S> x = since_frame_.increment().predict(state_, backend_->inertial().gravity());
-    if (temporary_slot_ >= 0) backend_->drop(*maps_, temporary_slot_);
+    const NavState<S> x = since_frame_.increment().predict(state_, backend_->links().gravity());
+    if (temporary_slot_ >= 0) backend_->drop(*landmarks_, temporary_slot_);
     temporary_slot_ = -1;
     const bool keyframe = ++frames_ % options_.frames_per_keyframe == 0;
-    const int slot = backend_->insert(t_ns_, x, keyframe_slot_, since_keyframe_, false);
+    const int slot = backend_->insert(t_ns_, x, {keyframe_slot_, since_keyframe_});
     observe(slot, keyframe);
-    LevenbergMarquardtOptions solver = window_options_.solver;
-    if (!keyframe) solver.max_iterations = 4;
-    backend_->optimize(rig_, rig_.T_body_cam(), *maps_, solver);
-    state_ = backend_->state(slot);
+    backend_->optimize(rig_, rig_.T_body_cam(), *landmarks_, keyframe);
+    state_ = backend_->window()[slot].state.value();
     locate();
     const FrameError out = error();
     if (keyframe) {
       adopt_keyframe(slot);
       if (backend_->window().full()) {
-        backend_->marginalize(rig_, *maps_, backend_->oldest());
-        ++marginalizations_;
+        NoMap<S> map;
+        backend_->retire(rig_, rig_.T_body_cam(), *landmarks_, backend_->window().oldest(), map);
+        ++retirements_;
       }
     } else {
       temporary_slot_ = slot;
@@ -118,7 +126,7 @@ class SimulatedRun {
   FrameError error() const {
     const Vec<double, 6> d = minus(reading_.motion.T_world_body, state_.T_world_body.template cast<double>());
     Mat<S, 6, 6> C;
-    const bool known = backend_->newest_covariance(C);
+    const bool known = backend_->covariance_of_newest(C);
     const auto nees = [&](int i) {
       const Vec<double, 3> e = d.segment<3>(i);
       const Mat<double, 3, 3> block = C.template block<3, 3>(i, i).template cast<double>();
@@ -134,26 +142,29 @@ class SimulatedRun {
   /// no measurement can make them more.
   Vec<double, 4> information_on_the_whole() const {
     const auto& window = backend_->window();
-    const SE3<double> T = window[window.newest()].pose.linearization_point().template cast<double>();
+    const SE3<double> T = window[window.newest()].state.first_estimate().T_world_body.template cast<double>();
     const Mat<double, 3, 3> R_body_world = T.R().transpose();
     const Vec<double, 3> up = Vec<double, 3>::UnitZ();
     Mat<double, 6, 4> N = Mat<double, 6, 4>::Zero();
     N.col(0) << R_body_world * up, R_body_world * up.cross(Vec<double, 3>(T.p() - T_start_.p()));
     N.bottomRightCorner<3, 3>() = R_body_world;
     Mat<S, 6, 6> C;
-    if (!backend_->newest_covariance(C)) return Vec<double, 4>::Constant(std::nan(""));
+    if (!backend_->covariance_of_newest(C)) return Vec<double, 4>::Constant(std::nan(""));
     const double sigma = window_options_.sigma_first_position;
     const Mat<double, 4, 4> information = sigma * sigma * N.transpose() * C.template cast<double>().inverse() * N;
     return Eigen::SelfAdjointEigenSolver<Mat<double, 4, 4>>(information, Eigen::EigenvaluesOnly).eigenvalues();
   }
 
-  int marginalizations() const { return marginalizations_; }
+  int retirements() const { return retirements_; }
   const Backend& backend() const { return *backend_; }
   const NavState<S>& state() const { return state_; }
   const testing::SimulatedImu::Reading& truth() const { return reading_; }
-  Maps& maps() { return *maps_; }
+  Landmarks& landmarks() { return *landmarks_; }
 
  private:
+  using PointSeen = PointObservation<S, Sensors::has_depth, Sensors::rolls>;
+  using SegmentSeen = SegmentObservation<S, Sensors::has_depth, Sensors::rolls>;
+
   static constexpr double first_s = 2.5;  ///< the path has left its standstill
   static constexpr int readings_per_frame = 10;
 
@@ -163,9 +174,9 @@ class SimulatedRun {
     out.noise.accel_density *= noise;
     out.noise.gyro_walk *= noise;
     out.noise.accel_walk *= noise;
-    const InertialOptions claimed;
-    out.gyro_bias_sigma = claimed.start_gyro_bias_sigma;
-    out.accel_bias_sigma = claimed.start_accel_bias_sigma;
+    const InertialStartOptions claimed;
+    out.gyro_bias_sigma = claimed.gyro_bias_sigma;
+    out.accel_bias_sigma = claimed.accel_bias_sigma;
     return out;
   }
 
@@ -208,72 +219,73 @@ class SimulatedRun {
         T = plus(T_start_ * T_first.inverse() * reading_.motion.T_world_body, off);
       }
       state_.T_world_body = T.template cast<S>();
-      const int slot = k == 0 ? backend_->start(t_ns_, state_.T_world_body)
-                              : backend_->insert(t_ns_, state_, keyframe_slot_, since_keyframe_, false);
+      const int slot =
+          k == 0 ? backend_->start(t_ns_, state_) : backend_->insert(t_ns_, state_, {keyframe_slot_, since_keyframe_});
       states[std::size_t(slot)] = state_;
       observe(slot, true);
       locate();
       adopt_keyframe(slot);
     }
-    backend_->start_inertial([&](int slot) { return states[std::size_t(slot)]; });
-    backend_->guess_velocities();
+    const InertialStart<S, DepthStart<S>> start({});
+    backend_->restart([&](int slot) { return states[std::size_t(slot)]; }, start.prior_on_biases());
     LevenbergMarquardtOptions solver = w.solver;
     solver.max_iterations *= 4;
-    backend_->optimize(rig_, rig_.T_body_cam(), *maps_, solver);
-    state_ = backend_->state(keyframe_slot_);
+    backend_->optimize(rig_, rig_.T_body_cam(), *landmarks_, solver);
+    state_ = backend_->window()[keyframe_slot_].state.value();
     since_keyframe_ = Preintegration<S>(quality(options_.noise).noise, state_.bias_gyro, state_.bias_accel);
   }
 
   // ----------------------------------------------------------------------------------------------- observations
 
   void observe(int slot, bool keyframe) {
-    maps_->for_each([&](auto& map) { observe_kind(map, slot, keyframe); });
+    landmarks_->for_each([&](auto& store) { observe_kind(store, slot, keyframe); });
   }
 
   /// Landmarks that have no depth, by this frame's view of them.
   void locate() {
-    const View<Sensors> view{rig_, *pyramid_,         *pyramid_,
-                             {},   rig_.T_body_cam(), {rig_.vision.camera, points_.height, S(0), Vec<S, 3>::Zero()}};
-    maps_->for_each([&](auto& map) {
-      map.triangulate(view, backend_->window(), state_.T_world_body);
-      map.prune();
-    });
+    const View<Sensors> view{
+        t_ns_, S(0), rig_, *pyramid_, *pyramid_, {}, {}, rig_.T_body_cam(), {rig_.vision.camera, points_.height, S(0)}};
+    front_ends_->locate(view, backend_->window(), *landmarks_, state_.T_world_body);
   }
 
-  /// All landmarks of the map, then new ones in a keyframe. Ids are indices into the world.
-  template <class Map>
-  void observe_kind(Map& map, int slot, bool keyframe) {
-    constexpr bool is_points = requires(typename Map::Landmark landmark) { landmark.inverse_range; };
+  /// All landmarks of the store, then new ones in a keyframe. Ids are indices into the world.
+  template <class Store>
+  void observe_kind(Store& store, int slot, bool keyframe) {
+    constexpr bool is_points = std::is_same_v<typename Store::Kind::Observation, PointSeen>;
     const std::size_t in_world = is_points ? points_.p_world.size() : lines_.p_world.size();
     std::vector<bool> known(in_world);
     std::size_t in_sight = 0;
-    for (auto& landmark : map.landmarks()) {
+    for (auto& landmark : store.landmarks()) {
       known[landmark.id] = true;
       landmark.current = measure(landmark.current, landmark.id, true);
       in_sight += landmark.current.valid;
       landmark.misses = landmark.current.valid ? 0 : landmark.misses + 1;
     }
-    map.record(slot);
+    store.record(slot);
     if (!keyframe) return;
     const std::size_t wanted = is_points ? options_.points_in_sight : options_.lines_in_sight;
-    for (std::size_t id = 0; id < in_world && in_sight < wanted && !map.landmarks().full(); ++id) {
+    for (std::size_t id = 0; id < in_world && in_sight < wanted && !store.landmarks().full(); ++id) {
       if (known[id]) continue;
-      typename Map::Landmark landmark;
+      typename Store::Landmark landmark;
       landmark.current = measure(landmark.current, std::uint32_t(id), false);
       if (!landmark.current.valid) continue;
       landmark.id = std::uint32_t(id);
       landmark.anchor = slot;
       landmark.observations[std::size_t(slot)] = landmark.current;
-      begin(landmark);
-      map.landmarks().push_back(landmark);
+      if constexpr (is_points) {
+        begin_point(landmark);
+      } else {
+        begin_line(landmark);
+      }
+      store.landmarks().push_back(landmark);
       ++in_sight;
     }
   }
 
   /// The first argument says of which kind. A point's pixel in its anchor has no noise, it defines the point.
-  PointObservation<S> measure(const PointObservation<S>&, std::uint32_t id, bool noisy) {
+  PointSeen measure(const PointSeen&, std::uint32_t id, bool noisy) {
     const testing::SeenPoint seen = points_.see(T_world_cam(), id);
-    PointObservation<S> out;
+    PointSeen out;
     out.valid = seen.valid;
     if (!out.valid) return out;
     Vec<double, 2> uv = seen.uv;
@@ -281,34 +293,35 @@ class SimulatedRun {
     out.pixel = out.uv = uv.cast<float>();
     out.L = Mat<float, 2, 2>::Identity() / float(points_.sigma_px);
     if constexpr (Sensors::has_depth) {
-      out.depth = {true, S(1 / seen.p_cam.z() + points_.sigma_inverse_depth * noise_()),
-                   S(points_.sigma_inverse_depth)};
+      out.depth.set(
+          {true, S(1 / seen.p_cam.z() + points_.sigma_inverse_depth * noise_()), S(points_.sigma_inverse_depth)});
     }
     return out;
   }
-  void begin(PointLandmark<S, K>& landmark) const {
-    landmark.bearing = rig_.vision.camera.unproject(landmark.current.uv.template cast<S>()).bearing;
-    if (!landmark.current.depth.valid) return;
+  void begin_point(auto& landmark) const {
+    auto& point = landmark.geometry;
+    point.bearing = rig_.vision.camera.unproject(landmark.current.uv.template cast<S>()).bearing;
+    const InverseDepth<S>& depth = landmark.current.depth.get();
+    if (!depth.valid) return;
     landmark.located = true;
-    landmark.inverse_range = landmark.current.depth.value * landmark.bearing.z();
-    landmark.sigma_inverse_range = landmark.current.depth.sigma * landmark.bearing.z();
+    point.inverse_range = depth.value * point.bearing.z();
+    point.sigma_inverse_range = depth.sigma * point.bearing.z();
   }
 
-  SegmentObservation<S> measure(const SegmentObservation<S>&, std::uint32_t id, bool) {
+  SegmentSeen measure(const SegmentSeen&, std::uint32_t id, bool) {
     const SE3<double> T_cam_world = T_world_cam().inverse();
     const Vec<double, 3> p = T_cam_world * lines_.p_world[id], q = T_cam_world * lines_.q_world[id];
     if (!in_image(p) || !in_image(q)) return {};
     const auto& camera = points_.camera;
     if (!((camera.project(p).uv - camera.project(q).uv).norm() > 60)) return {};
-    SegmentObservation<S> out = observe_segment<S>(camera, p, q, 1, noise_);
-    if constexpr (!Sensors::has_depth) out.has_depth = false;
-    return out;
+    return observe_segment<SegmentSeen>(camera, p, q, 1, noise_);
   }
-  void begin(LineLandmark<S, K>& landmark) const {
-    const SegmentObservation<S>& seen = landmark.current;
-    if (!seen.has_depth) return;
-    landmark.line = line_from_depth(seen.depth.m_start, seen.depth.m_end, seen.depth.inverse_depth_measured);
-    landmark.set_extent(SE3<S>(), seen.pixels.bearing_start, seen.pixels.bearing_end);
+  void begin_line(auto& landmark) const {
+    const SegmentSeen& seen = landmark.current;
+    if (!seen.has_depth()) return;
+    const LineInverseDepth<S>& depth = seen.depth.get().measured;
+    landmark.geometry.line = line_from_depth(depth.m_start, depth.m_end, depth.inverse_depth_measured);
+    landmark.geometry.set_extent(SE3<S>(), seen.pixels.measured.bearing_start, seen.pixels.measured.bearing_end);
     landmark.located = true;
   }
 
@@ -326,7 +339,8 @@ class SimulatedRun {
   testing::SimulatedPoints points_;
   SimulatedLines lines_;
   Sensors rig_{};
-  std::unique_ptr<Maps> maps_ = std::make_unique<Maps>(typename Maps::Options{});
+  std::unique_ptr<Landmarks> landmarks_ = std::make_unique<Landmarks>(FrontEnds::make_landmarks({}));
+  std::unique_ptr<FrontEnds> front_ends_ = std::make_unique<FrontEnds>(typename FrontEnds::Options{});
   std::unique_ptr<Backend> backend_;
   std::unique_ptr<RigPyramid<Sensors>> pyramid_ = std::make_unique<RigPyramid<Sensors>>();
 
@@ -335,7 +349,7 @@ class SimulatedRun {
   SE3<double> T_start_;  ///< what the first keyframe is believed to be
   NavState<S> state_;    ///< of the latest frame
   Preintegration<S> since_frame_, since_keyframe_;
-  int keyframe_slot_ = 0, temporary_slot_ = -1, frames_ = 0, marginalizations_ = 0;
+  int keyframe_slot_ = 0, temporary_slot_ = -1, frames_ = 0, retirements_ = 0;
 };
 
 }  // namespace plumbline::test

@@ -9,8 +9,11 @@
 #include <type_traits>
 
 #include "catch.hpp"
+#include "plumbline/backend/keyframe_rule.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/points.hpp"
+#include "plumbline/map/no_map.hpp"
+#include "plumbline/motion/constant_velocity.hpp"
 #include "plumbline/sensor/rgbd.hpp"
 #include "plumbline/testing/simulated_points.hpp"
 
@@ -28,19 +31,18 @@ SE3<double> pose_at(int k, double turn) {
 template <class S, int K = 6>
 struct Run {
   using Sensors = Rig<Rgbd<Pinhole<S>>>;
-  using Map = typename Points<120>::template Map<Sensors, K>;
-  using Maps = FeatureMaps<Map>;
-  using Backend = WindowBackend<Sensors, Maps, K>;
+  using Landmarks = typename Features<Points<120>>::template Landmarks<Sensors, K>;
+  using Backend = WindowBackend<ConstantVelocity<Sensors>, Landmarks, K>;
 
   testing::SimulatedPoints points;
   double turn;  ///< [rad] from keyframe to keyframe
   WindowOptions options;
   testing::Gaussian noise;
   Sensors rig{};
-  std::unique_ptr<Maps> maps = std::make_unique<Maps>(typename Maps::Options{});
+  std::unique_ptr<Landmarks> landmarks = std::make_unique<Landmarks>(StoreOptions{});
   std::unique_ptr<Backend> backend;
   SE3<double> T_start;  ///< what the first keyframe is believed to be
-  int keyframes = 0, marginalizations = 0;
+  int keyframes = 0, retirements = 0;
   LevenbergMarquardtSummary summary;
 
   Run(std::uint64_t seed, double noise_scale, double turn_rad = 0.05, double sigma_first = 1e-3, double mu = 1e-4)
@@ -51,7 +53,7 @@ struct Run {
     options.sigma_first_rotation = options.sigma_first_position = sigma_first;
     options.solver.max_iterations = 20;
     options.solver.mu_initial = mu;
-    backend = std::make_unique<Backend>(options);
+    backend = std::make_unique<Backend>(options, ConstantVelocityOptions{});
   }
 
   /// One more keyframe: guessed, seen, optimized, and one leaves when there is no room for the next.
@@ -62,27 +64,29 @@ struct Run {
     int slot;
     if (keyframes == 0) {
       T_start = plus(T, Vec<double, 6>(points.noise_scale * options.sigma_first_position * noise.vector<6>()));
-      slot = backend->start(0, T_start.template cast<S>());
+      slot = backend->start(0, {T_start.template cast<S>()});
     } else {
       const SE3<double> T_believed = T_start * pose_at(0, turn).inverse() * T;
-      slot = backend->insert(keyframes, plus(T_believed, error).template cast<S>());
+      slot = backend->insert(keyframes, {plus(T_believed, error).template cast<S>()}, {});
     }
-    maps->for_each([&](Map& map) {
-      for (std::size_t i = map.landmarks().size(); i-- > 0;) {  // those out of sight and seen too little make room
-        if (!map.landmarks()[i].current.valid && map.landmarks()[i].observation_count() < 3) {
-          map.landmarks().swap_remove(i);
+    landmarks->for_each([&](auto& store) {
+      for (std::size_t i = store.landmarks().size(); i-- > 0;) {  // those out of sight and seen too little make room
+        if (!store.landmarks()[i].current.valid && store.landmarks()[i].observation_count() < 3) {
+          store.landmarks().swap_remove(i);
         }
       }
-      points.observe(map, T, slot, noise);
+      points.observe(store, T, slot, noise);
     });
-    summary = backend->optimize(rig, *maps);
+    summary = optimize();
     ++keyframes;
   }
   void make_room() {
     if (!backend->window().full()) return;
-    backend->marginalize(rig, *maps, backend->most_redundant(S(3)));
-    ++marginalizations;
+    NoMap<S> map;
+    backend->retire(rig, {}, *landmarks, KeyframeRule::leaving(backend->window(), S(3), false), map);
+    ++retirements;
   }
+  LevenbergMarquardtSummary optimize() { return backend->optimize(rig, {}, *landmarks); }
   void add_keyframes(int count) {
     for (int i = 0; i < count; ++i) {
       make_room();
@@ -92,12 +96,12 @@ struct Run {
 
   SE3<double> truth() const { return pose_at(keyframes - 1, turn); }
   SE3<double> estimate() const {
-    return backend->window()[backend->window().newest()].pose.value().template cast<double>();
+    return backend->window().T_world_body(backend->window().newest()).template cast<double>();
   }
   Vec<double, 6> error() const { return minus(estimate(), truth()); }
   Mat<double, 6, 6> covariance() const {
     Mat<S, 6, 6> out = Mat<S, 6, 6>::Zero();
-    REQUIRE(backend->newest_covariance(out));
+    REQUIRE(backend->covariance_of_newest(out));
     return out.template cast<double>();
   }
   /// Normalized estimation error squared, chi-square with six degrees of freedom for a consistent estimate.
@@ -107,7 +111,7 @@ struct Run {
   /// measurement of points tells where the whole is, so the estimate's can never be below.
   Mat<double, 6, 6> covariance_of_the_whole() const {
     const SE3<double> T_newest =
-        backend->window()[backend->window().newest()].pose.linearization_point().template cast<double>();
+        backend->window()[backend->window().newest()].state.first_estimate().T_world_body.template cast<double>();
     const Mat<double, 6, 6> Ad = (T_newest.inverse() * T_start.template cast<S>().template cast<double>()).adjoint();
     const double sigma = options.sigma_first_position;
     return sigma * sigma * Ad * Ad.transpose();
@@ -133,7 +137,7 @@ TEMPLATE_TEST_CASE("sliding_window: without noise it converges to the truth, key
     REQUIRE(run.summary.final_cost < (single ? 1e-2 : 1e-6));
     REQUIRE(run.error().norm() < (single ? 1e-3 : 1e-5));
   }
-  REQUIRE(run.marginalizations == 14);
+  REQUIRE(run.retirements == 14);
 }
 
 TEST_CASE("sliding_window: the covariance of the newest pose is that of its errors") {
@@ -142,7 +146,7 @@ TEST_CASE("sliding_window: the covariance of the newest pose is that of its erro
   for (int seed = 0; seed < seeds; ++seed) {
     Run<double> run(std::uint64_t(seed), 1);
     run.add_keyframes(6);  // nothing marginalized
-    REQUIRE(run.marginalizations == 0);
+    REQUIRE(run.retirements == 0);
     sum += run.nees();
     worst = std::max(worst, run.nees());
     run.add_keyframes(20);
@@ -164,11 +168,11 @@ TEST_CASE("sliding_window: the covariance does not depend on the damping of the 
   LevenbergMarquardtOptions damped = run.options.solver;
   damped.mu_initial = 1e3;
   damped.max_iterations = 1;
-  run.backend->optimize(run.rig, SE3<double>(), *run.maps, damped);
+  run.backend->optimize(run.rig, {}, *run.landmarks, damped);
   REQUIRE((run.covariance() - covariance).norm() < 1e-3 * covariance.norm());
 }
 
-TEST_CASE("sliding_window: no measurement tells where the whole is, after whatever marginalizations") {
+TEST_CASE("sliding_window: no measurement tells where the whole is, after whatever retirements") {
   // The prior of the first pose is wide and there is no damping to speak of, so that any other information shows.
   Run<double> run(3, 1, 0.1, 0.1, 1e-12);
   for (int k = 0; k < 40; ++k) {
@@ -176,7 +180,7 @@ TEST_CASE("sliding_window: no measurement tells where the whole is, after whatev
     CAPTURE(k);
     REQUIRE(run.information_kept_out() > 1 - 1e-6);
   }
-  REQUIRE(run.marginalizations > 30);
+  REQUIRE(run.retirements > 30);
 }
 
 TEST_CASE("sliding_window: the same input gives the same output to the last bit") {
@@ -194,8 +198,8 @@ TEST_CASE("sliding_window: an observation that is no number is dropped, and the 
   Run<double> run(4, 1);
   run.add_keyframes(4);
   const int slot = run.backend->window().newest();
-  run.maps->for_each([&](auto& map) {
-    for (auto& landmark : map.landmarks()) {
+  run.landmarks->for_each([&](auto& store) {
+    for (auto& landmark : store.landmarks()) {
       if (landmark.anchor != slot && landmark.observations[std::size_t(slot)].valid) {
         landmark.observations[std::size_t(slot)].uv.x() = std::nanf("");
         break;
@@ -203,9 +207,9 @@ TEST_CASE("sliding_window: an observation that is no number is dropped, and the 
     }
   });
   const SE3<double> before = run.estimate();
-  REQUIRE(run.backend->optimize(run.rig, *run.maps).termination == LevenbergMarquardtEnd::not_finite);
+  REQUIRE(run.optimize().termination == LevenbergMarquardtEnd::not_finite);
   REQUIRE(minus(run.estimate(), before).norm() == 0);
-  REQUIRE(std::isfinite(run.backend->optimize(run.rig, *run.maps).final_cost));
+  REQUIRE(std::isfinite(run.optimize().final_cost));
   run.add_keyframes(10);
   REQUIRE(run.error().norm() < 0.02);
 }
@@ -215,7 +219,7 @@ TEMPLATE_TEST_CASE("sliding_window: in fast rotation the prior holds the window 
   run.add_keyframes(6);
   const double before = std::sqrt(run.covariance().template bottomRightCorner<3, 3>().trace());
   double sigma = before;
-  while (run.marginalizations < 60) {
+  while (run.retirements < 60) {
     run.add_keyframes(1);
     sigma = std::sqrt(run.covariance().template bottomRightCorner<3, 3>().trace());
     CAPTURE(run.keyframes, before, sigma);

@@ -12,6 +12,8 @@
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
+#include "plumbline/lie/se3.hpp"
+#include "plumbline/state/block.hpp"
 
 namespace plumbline {
 
