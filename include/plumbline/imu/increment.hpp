@@ -42,8 +42,7 @@ struct ImuIncrement {
   Mat<S, 3, 3> J_v_a() const { return block<3, 3>(J_delta_bias, 6, 3); }
 
   ImuIncrement() = default;
-  ImuIncrement(const Vec<S, 3>& bias_gyro_, const Vec<S, 3>& bias_accel_)
-      : bias_gyro(bias_gyro_), bias_accel(bias_accel_) {}
+  ImuIncrement(const Vec<S, 3>& b_g, const Vec<S, 3>& b_a) : bias_gyro(b_g), bias_accel(b_a) {}
 
   /// Longer by one interval, dt > 0.
   void integrate(const ImuInterval<S>& interval, const ImuNoise& noise);

@@ -20,7 +20,8 @@ using IndexPairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
 /// Seconds as a double, rounded once.
 inline double seconds(TimeNs t) {
-  return static_cast<double>(t / 1'000'000'000) + static_cast<double>(t % 1'000'000'000) * 1e-9;
+  const TimeNs whole = t / 1'000'000'000;
+  return static_cast<double>(whole) + static_cast<double>(t % 1'000'000'000) * 1e-9;
 }
 
 /// Pairs (i, j) with |a[i] - b[j]| <= max_difference_ns, in order of i.

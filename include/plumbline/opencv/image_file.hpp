@@ -66,7 +66,7 @@ inline cv::Mat read_gray(const std::filesystem::path& file) { return detail::rea
 
 /// Depth as recorded, CV_16U.
 inline cv::Mat read_depth(const std::filesystem::path& file) {
-  const cv::Mat depth = detail::read_image(file, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR);
+  cv::Mat depth = detail::read_image(file, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR);
   if (depth.type() != CV_16U) throw std::runtime_error(file.string() + ": not a 16-bit image with one channel");
   return depth;
 }
