@@ -1,0 +1,251 @@
+// What a prior keeps of the frames that leave, against dense least squares in which they are eliminated.
+//                                                                                          docs/math/window.md
+#include "plumbline/backend/window_prior.hpp"
+
+#include <Eigen/QR>
+#include <limits>
+#include <type_traits>
+
+#include "catch.hpp"
+#include "plumbline/solver/landmark_elimination.hpp"
+#include "plumbline/state/frame_window.hpp"
+#include "plumbline/testing/gaussian.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+constexpr int slots = 4, max_rows = 12, max_columns = 4;
+constexpr int pose_dim = state::Pose::dim;
+
+template <class S, class Layout>
+struct Scene {
+  static constexpr int frame_dim = Layout::dim, dim = slots * frame_dim;
+  using Window = FrameWindow<S, Layout, slots>;
+  using Step = typename Window::State::Step;
+  using Prior = WindowPrior<Window, max_rows, max_columns>;
+  using Equations = NormalEquations<double, frame_dim, slots>;
+  using Pairs = RelativeEquations<double, pose_dim, slots>;
+  using Dense = Eigen::MatrixXd;
+  using DenseVector = Eigen::VectorXd;
+
+  testing::Gaussian noise;
+  Window window;
+  Prior prior;
+  Pairs pairs;
+  Dense A = Dense::Zero(0, dim);  ///< all rows that were added, by the corrections of all frames
+  DenseVector b = DenseVector::Zero(0);
+
+  explicit Scene(std::uint64_t seed) : noise(seed) {
+    for (int a = 0; a < slots; ++a) {
+      for (int j = 0; j < slots; ++j) pairs.set_transport(a, j, random<double, pose_dim, pose_dim>());
+    }
+  }
+
+  template <class T, int Rows, int Columns>
+  Mat<T, Rows, Columns> random() {
+    Mat<T, Rows, Columns> out;
+    for (int c = 0; c < Columns; ++c) out.col(c) = noise.vector<Rows>().template cast<T>();
+    return out;
+  }
+  void insert(TimeNs t_ns) {
+    typename Window::Value x;
+    x.T_world_body = SE3<S>(SO3<S>::exp(noise.vector<3>().template cast<S>()), noise.vector<3>().template cast<S>());
+    window.insert(t_ns, x);
+  }
+  /// Moves every frame.
+  void move(double size) {
+    for (int k = 0; k < slots; ++k) {
+      if (window[k].used) window.state(k).add(Step(S(size) * noise.vector<frame_dim>().template cast<S>()));
+    }
+  }
+  DenseVector corrections() const {
+    DenseVector e = DenseVector::Zero(dim);
+    for (int k = 0; k < slots; ++k) {
+      if (window[k].used) {
+        e.segment<frame_dim>(k * frame_dim) = window[k].state.correction().template cast<double>();
+      }
+    }
+    return e;
+  }
+
+  void append(const Dense& J, const DenseVector& r) {
+    Dense A_new(A.rows() + J.rows(), dim);
+    DenseVector b_new(A_new.rows());
+    A_new << A, J;
+    b_new << b, r;
+    A = A_new;
+    b = b_new;
+  }
+  template <int Rows>
+  void set(int slot) {
+    const Mat<double, Rows, frame_dim> J = random<double, Rows, frame_dim>();
+    prior.set(window, slot, J);
+    A = Dense::Zero(Rows, dim);
+    A.middleCols<frame_dim>(slot * frame_dim) = J;
+    b = DenseVector::Zero(Rows);
+  }
+  /// Rows at the current state, of a link.
+  template <int Rows>
+  void add_link(int i, int j) {
+    const Mat<S, Rows, frame_dim> J_i = random<S, Rows, frame_dim>(), J_j = random<S, Rows, frame_dim>();
+    const Vec<S, Rows> r = noise.vector<Rows>().template cast<S>();
+    prior.add_link(i, J_i, j, J_j, r);
+    Dense J = Dense::Zero(Rows, dim);
+    J.middleCols<frame_dim>(i * frame_dim) = J_i.template cast<double>();
+    J.middleCols<frame_dim>(j * frame_dim) = J_j.template cast<double>();
+    append(J, r.template cast<double>() - J * corrections());
+  }
+  /// Rows at the current state, of a landmark that `anchor` holds and all others see.
+  template <int Columns>
+  void add_landmark(int anchor) {
+    LandmarkElimination<S, Columns, pose_dim, slots, max_rows> landmark;
+    landmark.reset(anchor);
+    Dense J = Dense::Zero(0, dim), J_l = Dense::Zero(0, Columns);
+    DenseVector r = DenseVector::Zero(0);
+    for (int k = 0; k < slots; ++k) {
+      if (!window[k].used || k == anchor) continue;
+      const Mat<S, 3, pose_dim> J_p = random<S, 3, pose_dim>();
+      const Mat<S, 3, Columns> J_k = random<S, 3, Columns>();
+      const Vec<S, 3> r_k = noise.vector<3>().template cast<S>();
+      REQUIRE(landmark.template add<3>(k, J_p, J_k, r_k));
+      const int n = int(J.rows());
+      J.conservativeResize(n + 3, dim);
+      J.bottomRows<3>().setZero();
+      J.block<3, pose_dim>(n, k * frame_dim) = J_p.template cast<double>();
+      J.block<3, pose_dim>(n, anchor * frame_dim) = -J_p.template cast<double>() * pairs.transport(anchor, k);
+      J_l.conservativeResize(n + 3, Columns);
+      J_l.bottomRows<3>() = J_k.template cast<double>();
+      r.conservativeResize(n + 3);
+      r.tail<3>() = r_k.template cast<double>();
+    }
+    prior.add_landmark(landmark, pairs);
+    const Dense Q = orthogonal_to(J_l);
+    append(Q * J, Q * (r - J * corrections()));
+  }
+  void retire(int slot) {
+    prior.retire(window, slot);
+    const Dense Q = orthogonal_to(A.middleCols<frame_dim>(slot * frame_dim));
+    A = Q * A;
+    A.middleCols<frame_dim>(slot * frame_dim).setZero();
+    b = Q * b;
+  }
+  /// The projection that takes out what M can explain.
+  static Dense orthogonal_to(const Dense& M) {
+    const Eigen::ColPivHouseholderQR<Dense> qr(M);
+    const Dense Q = Dense(qr.householderQ()).leftCols(qr.rank());
+    return Dense::Identity(M.rows(), M.rows()) - Q * Q.transpose();
+  }
+
+  double cost() const { return (A * corrections() + b).squaredNorm() / 2; }
+  /// The prior and the dense rows are the same function of the corrections, up to a constant.
+  void require_same() {
+    Equations equations;
+    prior.begin(window, equations);
+    const Dense H = A.transpose() * A;
+    const DenseVector g = A.transpose() * (A * corrections() + b);
+    REQUIRE(equations.blocks() == slots);
+    double error = 0;
+    for (int c = 0; c < dim; ++c) {
+      for (int r = c; r < dim; ++r) error = std::max(error, std::abs(equations.H()(r, c) - H(r, c)));
+    }
+    CHECK(error < 1e-9 * (1 + H.norm()));
+    CHECK((equations.b() - g).norm() < 1e-9 * (1 + g.norm()));
+    const Window kept = window;
+    const double begin = prior.cost(window), expected = cost();
+    for (int n = 0; n < 5; ++n) {
+      move(0.1);
+      CHECK(prior.cost(window) - begin == Approx(cost() - expected).epsilon(1e-9).margin(1e-9));
+    }
+    window = kept;
+  }
+};
+
+using Cases = std::tuple<Scene<float, VisualLayout>, Scene<double, VisualLayout>, Scene<float, InertialLayout>,
+                         Scene<double, InertialLayout>>;
+
+}  // namespace
+
+TEMPLATE_LIST_TEST_CASE("window_prior: rows on one frame, from where it is", "", Cases) {
+  TestType scene(1);
+  scene.insert(0);
+  scene.insert(1);
+  scene.move(0.3);
+  scene.template set<5>(1);
+  CHECK(scene.prior.cost(scene.window) < 1e-11);
+  scene.require_same();
+  scene.move(0.2);
+  CHECK(scene.prior.cost(scene.window) == Approx(scene.cost()));
+  CHECK(scene.cost() > 0);
+  // Anew: what was known before is forgotten.
+  scene.template set<4>(0);
+  scene.require_same();
+}
+
+TEMPLATE_LIST_TEST_CASE("window_prior: a frame with its links and landmarks becomes rows on those that stay", "",
+                        Cases) {
+  TestType scene(2);
+  for (int k = 0; k < slots; ++k) {
+    scene.insert(k);
+    if (k == 0) scene.template set<6>(0);
+    scene.move(0.1);
+  }
+  scene.require_same();
+  for (int leaving = 0; leaving < 3; ++leaving) {
+    scene.prior.begin_retirement(scene.window);
+    scene.template add_link<15>(leaving, leaving + 1);
+    for (int n = 0; n < 4; ++n) scene.template add_landmark<1>(leaving);
+    if (leaving < 2) scene.template add_landmark<4>(leaving);
+    scene.retire(leaving);
+    CHECK_FALSE(scene.window[leaving].used);
+    scene.require_same();
+    scene.move(0.1);
+    scene.require_same();
+  }
+}
+
+TEMPLATE_LIST_TEST_CASE("window_prior: a freed slot is used again, by a frame that nothing is known of", "", Cases) {
+  TestType scene(3);
+  for (int k = 0; k < slots; ++k) scene.insert(k);
+  scene.template set<6>(1);
+  scene.prior.begin_retirement(scene.window);
+  scene.template add_landmark<1>(1);
+  scene.retire(1);
+  scene.insert(9);
+  REQUIRE(scene.window.newest() == 1);
+  scene.require_same();
+}
+
+TEMPLATE_LIST_TEST_CASE("window_prior: what is known of fixes its first estimate, no other frame does", "", Cases) {
+  TestType scene(4);
+  for (int k = 0; k < slots; ++k) scene.insert(k);
+  scene.template set<6>(0);
+  scene.prior.begin_retirement(scene.window);
+  scene.template add_link<15>(0, 1);
+  scene.retire(0);
+  const auto first = [&](int k) { return scene.window[k].state.first_estimate().T_world_body; };
+  const auto known = first(1), unknown = first(2);
+  scene.move(0.1);
+  CHECK(minus(first(1), known).norm() == 0);
+  CHECK(minus(first(2), unknown).norm() > 1e-3);
+}
+
+TEMPLATE_LIST_TEST_CASE("window_prior: rows that are no numbers are lost, and with them the frame that leaves alone",
+                        "", Cases) {
+  using S = typename TestType::Window::Scalar;
+  constexpr int frame_dim = TestType::frame_dim;
+  TestType scene(5);
+  for (int k = 0; k < slots; ++k) scene.insert(k);
+  scene.template set<6>(0);
+  scene.prior.begin_retirement(scene.window);
+  scene.template add_link<15>(0, 1);
+  scene.retire(0);
+  scene.prior.begin_retirement(scene.window);
+  Mat<S, 2, frame_dim> J;
+  J.setConstant(std::numeric_limits<S>::quiet_NaN());
+  const auto A = scene.A;
+  scene.prior.add_link(2, J, 3, J, Vec<S, 2>(Vec<S, 2>::Zero()));
+  scene.retire(2);
+  scene.A = A;  // frame 2 was unknown before: all stays as it is
+  scene.require_same();
+}
