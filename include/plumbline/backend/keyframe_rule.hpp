@@ -12,15 +12,15 @@ namespace plumbline {
 
 struct KeyframeOptions {
   double min_tracked_ratio = 0.5;  ///< of the landmarks in sight after the last keyframe
-  double max_motion_px = 80;       ///< mean motion of the landmarks since the last keyframe
+  double max_motion_rad = 0.15;    ///< mean motion of the landmarks in the image since the last keyframe
 };
 
 /// A camera without depth locates its landmarks by keyframes, and velocities and biases want them close; depth alone
 /// drifts with every keyframe.
 template <SensorRig Sensors>
 constexpr KeyframeOptions default_keyframes() {
-  if (!Sensors::has_depth) return {0.7, 30};
-  return {0.5, Sensors::has_imu ? 50.0 : 80.0};
+  if (!Sensors::has_depth) return {0.7, 0.065};
+  return {0.5, Sensors::has_imu ? 0.095 : 0.15};
 }
 
 /// By parallax and overlap.
@@ -28,17 +28,17 @@ class KeyframeRule {
  public:
   explicit KeyframeRule(const KeyframeOptions& options) : options_(options) {}
 
-  /// `tracked` of the landmarks, after the last keyframe there were `tracked_then`; they moved by motion_px since.
-  bool is_keyframe(int tracked, int tracked_then, double motion_px) const {
-    return tracked < options_.min_tracked_ratio * tracked_then || motion_px > options_.max_motion_px;
+  /// `tracked` of the landmarks, after the last keyframe there were `tracked_then`; they moved by motion_rad since.
+  bool is_keyframe(int tracked, int tracked_then, double motion_rad) const {
+    return tracked < options_.min_tracked_ratio * tracked_then || motion_rad > options_.max_motion_rad;
   }
 
-  /// The slot of the keyframe that goes. In a chain of links frames go in order of time, so that it stays whole; others
-  /// by what the rest replaces best: far from the newest, near to the others, distances in units of the scene's depth and
+  /// The slot of the keyframe that goes. Where one frame is known by the one before it they go in order of time, so that
+  /// the chain stays whole; others by what the rest replaces best: far from the newest, near to the others, distances in units of the scene's depth and
   /// of the field of view, and never one of the two newest.
   template <class Window>
-  static int leaving(const Window& window, typename Window::Scalar mean_depth, bool in_chain) {
-    return in_chain ? window.oldest() : most_redundant(window, mean_depth);
+  static int leaving(const Window& window, typename Window::Scalar mean_depth, bool in_order) {
+    return in_order ? window.oldest() : most_redundant(window, mean_depth);
   }
 
  private:

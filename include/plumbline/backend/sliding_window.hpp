@@ -35,6 +35,7 @@ struct WindowOptions {
   int frame_iterations = 4;            ///< for a frame that is no keyframe
   double sigma_first_rotation = 1e-3;  ///< prior on the first pose, which is the world's origin [rad]
   double sigma_first_position = 1e-3;  ///< [m]
+  double sigma_first_scale = 1e-3;     ///< prior on the distance of the first two keyframes where it is the unit, relative
 };
 
 template <MotionModel Motion, class LandmarksT, int K>
@@ -95,6 +96,24 @@ class WindowBackend {
       for (int c = 0; c < Layout::dim; ++c) J(place_rows + k, c) = J_rest(k, c);
     }
     set_prior(oldest, J);
+  }
+
+  /// From now on the distance between two frames defines the unit of length: without depth or an IMU nothing else does.
+  ///   d|p_j - p_i|/|p_j - p_i| = u^T (R_j dp_j - R_i dp_i)/|p_j - p_i|,  u its direction
+  void hold_scale(int i, int j) {
+    const SE3<S>&T_i = window_.T_world_body(i), &T_j = window_.T_world_body(j);
+    const Vec<S, 3> between = T_j.p() - T_i.p();
+    const double weight = 1 / (options_.sigma_first_scale * double(between.norm()));
+    const Vec<S, 3> u = between.normalized(), u_i = T_i.rotation().inverse() * u, u_j = T_j.rotation().inverse() * u;
+    Mat<double, 1, Layout::dim> J_i, J_j;
+    J_i.setZero();
+    J_j.setZero();
+    constexpr int position = 3;  // of the pose's increment
+    for (int k = 0; k < 3; ++k) {
+      J_i(0, position + k) = -weight * double(u_i[k]);
+      J_j(0, position + k) = weight * double(u_j[k]);
+    }
+    prior_.add(window_, i, J_i, j, J_j);
   }
 
   /// A frame with its link to an earlier one. The window must not be full.

@@ -3,6 +3,7 @@
 ///                                                                                            docs/math/window.md
 /// The prior keeps columns for every slot; those of free slots, and of frames that it knows nothing of, are zero.
 
+#include "plumbline/core/assert.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/window_views.hpp"
 #include "plumbline/solver/marginalization.hpp"
@@ -31,6 +32,31 @@ class WindowPrior {
     prior_.r0.setZero(Rows);
     prior_.information(H_);
     window.state(slot).fix_first_estimates();
+  }
+
+  /// One more row on two frames, whose states as they are agree with it.
+  void add(Window& window, int i, const Mat<double, 1, frame_dim>& J_i, int j, const Mat<double, 1, frame_dim>& J_j) {
+    const int row = int(prior_.J0.rows());
+    PLUMBLINE_ASSERT(row < dim);
+    reduced_.J0 = prior_.J0;
+    reduced_.r0 = prior_.r0;
+    prior_.J0.resize(row + 1, dim);
+    prior_.r0.resize(row + 1);
+    for (int c = 0; c < dim; ++c) {
+      for (int k = 0; k < row; ++k) prior_.J0(k, c) = reduced_.J0(k, c);
+      prior_.J0(row, c) = 0;
+    }
+    for (int k = 0; k < row; ++k) prior_.r0[k] = reduced_.r0[k];
+    for (const int slot : {i, j}) window.state(slot).fix_first_estimates();
+    const Vector e = corrections(window);
+    double r = 0;  // zero at the current state, so that much at e = 0
+    for (int c = 0; c < frame_dim; ++c) {
+      prior_.J0(row, i * frame_dim + c) = J_i(0, c);
+      prior_.J0(row, j * frame_dim + c) = J_j(0, c);
+      r -= J_i(0, c) * e[i * frame_dim + c] + J_j(0, c) * e[j * frame_dim + c];
+    }
+    prior_.r0[row] = r;
+    prior_.information(H_);
   }
 
   double cost(const Window& window) const { return prior_.residual(corrections(window)).squaredNorm() / 2; }

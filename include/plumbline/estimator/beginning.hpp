@@ -40,14 +40,14 @@ class Beginning {
     estimate.tracked = 0;
     estimate.keyframe = false;
     report_.features = odometry.seen_count();
-    const int usable = is_complete ? odometry.tracked_count() : report_.features;
+    const int usable = is_complete && !Start::needs_second_view ? odometry.tracked_count() : report_.features;
     if (usable < odometry.options.recovery.min_landmarks) {
       wait(odometry, HealthReason::few_features, InitStage::few_features);
       return;
     }
     first_view_ns_ = view.t_ns;
     stage_ = Start::needs_second_view ? Stage::one_view : Stage::map;
-    if constexpr (is_complete) {
+    if constexpr (is_complete && !Start::needs_second_view) {
       finish(view);
       odometry.publish(view.t_ns);
     } else {
@@ -89,8 +89,10 @@ class Beginning {
       odometry.front_ends.locate(view, odometry.window(), odometry.landmarks, x.T_world_body);
       stage_ = Stage::map;
       odometry.publish(view.t_ns);
+      const int first = odometry.keyframe();
       odometry.make_keyframe(view);
       if constexpr (is_complete) {
+        odometry.backend.hold_scale(first, odometry.keyframe());
         finish(view);
       } else {
         wait(odometry, HealthReason::aligning, InitStage::aligning);

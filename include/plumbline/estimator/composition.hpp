@@ -22,6 +22,19 @@ template <SensorRig Sensors>
 struct MotionOf<Sensors, true> {
   using Type = Inertial<Sensors>;
 };
+
+template <SensorRig Sensors, bool has_depth = Sensors::has_depth, bool has_imu = Sensors::has_imu>
+struct VisualStartOf {
+  using Type = DepthStart<typename Sensors::Scalar>;
+};
+template <SensorRig Sensors>
+struct VisualStartOf<Sensors, false, true> {
+  using Type = TwoViewStart<typename Sensors::Scalar, GuidedTwoView>;
+};
+template <SensorRig Sensors>
+struct VisualStartOf<Sensors, false, false> {
+  using Type = TwoViewStart<typename Sensors::Scalar, UnguidedTwoView>;
+};
 }  // namespace detail
 
 template <SensorRig SensorsT, class FeatureSet, class BackendPolicy>
@@ -31,8 +44,7 @@ struct Composition {
   static constexpr int slots = BackendPolicy::slots;
 
   using Motion = typename detail::MotionOf<Sensors>::Type;
-  using VisualStart =
-      std::conditional_t<Sensors::has_depth, DepthStart<S>, TwoViewStart<S, /*knows_rotation=*/Sensors::has_imu>>;
+  using VisualStart = typename detail::VisualStartOf<Sensors>::Type;
   using Start = std::conditional_t<Sensors::has_imu, InertialStart<S, VisualStart>, VisualStart>;
   using FrontEnds = plumbline::FrontEnds<typename BackendPolicy::FrontEnds, Sensors, slots, FeatureSet>;
   using Landmarks = typename FrontEnds::Landmarks;

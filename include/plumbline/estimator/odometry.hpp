@@ -68,7 +68,7 @@ class Odometry {
   }
   /// Those of kinds that are there for more than the start.
   int lasting_count() const { return front_ends.lasting_count(landmarks); }
-  /// Mean motion of the landmarks since the last keyframe [px]; 0 when none is seen in both.
+  /// Mean motion of the landmarks in the image since the last keyframe [px]; 0 when none is seen in both.
   double motion_px() const {
     double sum_px = 0;
     int count = 0;
@@ -143,7 +143,8 @@ class Odometry {
   }
   bool needs_keyframe(TimeNs t_ns) {
     const double moved_px = motion_px();
-    const bool needed = rule_.is_keyframe(tracked_count(), tracked_at_keyframe_, moved_px);
+    const double moved_rad = moved_px / double(effective_focal_length(rig.vision.camera));
+    const bool needed = rule_.is_keyframe(tracked_count(), tracked_at_keyframe_, moved_rad);
     return motion.confirm_keyframe(t_ns, moved_px, needed);
   }
   /// The latest frame, which was solved for alone, becomes a keyframe.
@@ -199,7 +200,8 @@ class Odometry {
   /// For the next frame: a keyframe goes to the map when the window is full.
   void make_room(const View<Sensors>& view) {
     if (!window().full()) return;
-    const int slot = KeyframeRule::leaving(window(), mean_depth(), Motion::is_chain);
+    // Without depth or links scale goes from frame to frame; with links time does.
+    const int slot = KeyframeRule::leaving(window(), mean_depth(), /*in_order=*/Motion::is_chain || !Sensors::has_depth);
     backend.retire(rig, view.T_body_cam, landmarks, slot, map);
   }
   void drop_temporary() {

@@ -2,11 +2,10 @@
 /// Start of a camera without depth: a first view, and a second one from far enough aside.  docs/math/geometry.md
 ///
 /// Where a gyroscope knows the rotation it is the first guess, and the translation follows from it; else a homography or
-/// an essential matrix, whichever the pairs speak for.
+/// an essential matrix, whichever the pairs speak for, and nothing while they are ambiguous.
 
-#include <algorithm>
 #include <cstddef>
-#include <cstdint>
+#include <span>
 
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
@@ -22,16 +21,47 @@ struct TwoViewStartOptions {
   double min_inliers = 0.7;         ///< of the pairs, that fit the two views
   int min_pairs = 30;
   double max_start_s = 4;  ///< longer without a second view: begin with a new first one
-  TwoViewOptions two_view;
 };
 
-/// `knows_rotation`: the first guess of it is that of a gyroscope.
-template <class S, bool knows_rotation>
+/// The rotation between the views is known to some degrees.
+template <class S, std::size_t Capacity>
+class GuidedTwoView {
+ public:
+  struct Options : TwoViewStartOptions {
+    TwoViewOptions two_view;
+  };
+
+  TwoView<S, Capacity> solve(const FixedVector<BearingPair<S>, Capacity>& pairs, const SO3<S>& R_2_1,
+                             const Options& options) {
+    return solver_.solve(pairs, R_2_1, options.two_view);
+  }
+
+ private:
+  TwoViewSolver<S, Capacity> solver_;
+};
+
+/// Nothing is known of how the views stand to each other.
+template <class S, std::size_t Capacity>
+class UnguidedTwoView {
+ public:
+  struct Options : TwoViewStartOptions {
+    RelativePoseOptions two_view;
+  };
+
+  TwoView<S, Capacity> solve(const FixedVector<BearingPair<S>, Capacity>& pairs, const SO3<S>& R_2_1,
+                             const Options& options) const {
+    auto found = RelativePoseSolver<S, Capacity>().solve(std::span(pairs.data(), pairs.size()), R_2_1, options.two_view);
+    found.two_view.valid = found.valid;
+    return found.two_view;
+  }
+};
+
+template <class S, template <class, std::size_t> class Solver>
 class TwoViewStart {
  public:
   static constexpr bool needs_second_view = true;
   static constexpr std::size_t max_pairs = 512;
-  using Options = TwoViewStartOptions;
+  using Options = typename Solver<S, max_pairs>::Options;
 
   explicit TwoViewStart(const Options& options) : options_(options) {}
 
@@ -49,7 +79,7 @@ class TwoViewStart {
 
   /// Whether the second view is found; `report` says what is missing.
   bool solve(const SO3<S>& R_2_1, InitReport& report) {
-    const TwoView<S, max_pairs> found = two_view_.solve(pairs_, R_2_1, options_.two_view);
+    const TwoView<S, max_pairs> found = solver_.solve(pairs_, R_2_1, options_);
     report.parallax_rad = double(found.parallax);
     report.inliers = double(found.inliers) / double(pairs_.size());
     if (!found.valid || !(report.parallax_rad > options_.min_parallax_rad)) return false;
@@ -71,7 +101,7 @@ class TwoViewStart {
  private:
   Options options_;
   FixedVector<BearingPair<S>, max_pairs> pairs_;
-  TwoViewSolver<S, max_pairs> two_view_;
+  [[no_unique_address]] Solver<S, max_pairs> solver_;
   SE3<S> T_2_1_;
 };
 
