@@ -15,6 +15,7 @@
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/mono.hpp"
 #include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/sensor/rig.hpp"
 
 using namespace plumbline;
 

@@ -6,6 +6,7 @@
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/mono.hpp"
 #include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/sensor/rig.hpp"
 #include "plumbline/state/frame_window.hpp"
 
 using namespace plumbline;

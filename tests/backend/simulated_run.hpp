@@ -28,6 +28,7 @@
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/mono.hpp"
 #include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/sensor/rig.hpp"
 #include "plumbline/start/depth.hpp"
 #include "plumbline/start/inertial.hpp"
 #include "plumbline/testing/gaussian.hpp"

@@ -15,6 +15,7 @@
 #include "plumbline/map/no_map.hpp"
 #include "plumbline/motion/constant_velocity.hpp"
 #include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/sensor/rig.hpp"
 #include "plumbline/testing/simulated_points.hpp"
 
 using namespace plumbline;
