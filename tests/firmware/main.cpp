@@ -14,16 +14,16 @@ namespace {
 volatile float sensor_value = 0.5f;  // keeps the compiler from computing at compile time
 volatile float actuator_value;
 
-using Sensors = pl::Rig<pl::Rgbd<pl::Pinhole<float, pl::RadTan>, 160 * 120>>;
+using Sensors = pl::Rig<pl::Rgbd<pl::Pinhole<float, pl::RadTan>, 160 * 128>>;
 using Vo = pl::Estimator<Sensors, pl::Features<pl::Points<60>>, pl::SlidingWindow<5>>;
 
-constexpr int width = 160, height = 120;
+constexpr int width = 160, height = 128;
 std::uint8_t gray[width * height];
 std::uint16_t depth[width * height];
 
 Sensors sensors() {
   Sensors out{};
-  out.vision.camera = {.fx = 130, .fy = 130, .cx = 79.5f, .cy = 59.5f};
+  out.vision.camera = {.fx = 130, .fy = 130, .cx = 79.5f, .cy = 63.5f};
   out.vision.width = width;
   out.vision.height = height;
   return out;

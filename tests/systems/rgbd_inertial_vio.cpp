@@ -3,6 +3,7 @@
 #include <cmath>
 #include <concepts>
 #include <memory>
+#include <type_traits>
 
 #include "../estimator/simulation.hpp"
 #include "catch.hpp"
@@ -20,7 +21,7 @@ using Sensors = Rig<Rgbd<Pinhole<double>, max_pixels>, Imu>;
 // One line of composition, nothing else; and the parts it must have.
 static_assert(std::same_as<Vio, Estimator<Sensors, Features<Points<400>, Lines<100>>, SlidingWindow<10>>>);
 static_assert(std::same_as<Vio::S, double> && std::same_as<RgbdInertialVio<Pinhole<float>>::S, float>);
-static_assert(Sensors::has_depth && Sensors::has_imu && Sensors::state_dim == 15);
+static_assert(Sensors::has_depth && Sensors::has_imu && Sensors::rolls && Vio::Backend::Layout::dim == 15);
 
 }  // namespace
 
@@ -62,8 +63,9 @@ TEST_CASE("rgbd_inertial_vio: three seconds in a room, begun in motion") {
     error_m = ((T_start.inverse() * estimate->T_world_body).p() - (T_truth_start.inverse() * T_truth).p()).norm();
     const Vec<double, 3> v_truth = trajectory.at(1e-9 * double(world.t_ns[i])).v_world_body;
     velocity_error = std::abs(estimate->v_world_body.norm() - v_truth.norm());
-    vio->features().for_each([&](const auto& map) {
-      if constexpr (requires { map.landmarks()[0].line; }) with_lines += map.tracked_count() > 0;
+    vio->landmarks().for_each([&](const auto& store) {
+      using Kind = typename std::remove_cvref_t<decltype(store)>::Kind;
+      if constexpr (std::same_as<Kind, LineKind<Sensors>>) with_lines += store.tracked_count() > 0;
     });
   }
   CAPTURE(tracking, with_lines, path_m, error_m, velocity_error, name_of(vio->init_report().alignment));
