@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds the program, runs visual odometry on a recording and shows how far it is from the truth.
 #   ./demo.sh                a simulated recording of a room, made on the spot
-#   ./demo.sh DATASET_DIR    a recording of yours: EuRoC with IMU, or TUM RGB-D with or without imu.csv
+#   ./demo.sh DATASET_DIR    a recording of yours: EuRoC, TUM RGB-D (with or without imu.csv) or KITTI odometry
 # Everything it makes is in ./demo: trajectory.tum, timing.csv, trajectory.png.
 set -euo pipefail
 started_in=$PWD
@@ -24,10 +24,12 @@ if (($# == 0)); then
   sensors=rgbd
 elif [[ -f $dataset/depth.txt ]]; then
   sensors=$([[ -f $dataset/imu.csv ]] && echo rgbd-imu || echo rgbd)
-elif [[ -d $dataset/mav0/imu0 ]]; then
-  sensors=mono-imu
+elif [[ -d $dataset/mav0 ]]; then
+  sensors=$([[ -d $dataset/mav0/imu0 ]] && echo mono-imu || echo mono)
+elif [[ -d $dataset/image_0 ]]; then
+  sensors=mono
 else
-  echo "$dataset has neither depth images (depth.txt) nor an IMU (mav0/imu0)" >&2
+  echo "$dataset is not a recording: no depth.txt (TUM RGB-D), mav0 (EuRoC) or image_0 (KITTI)" >&2
   exit 1
 fi
 config=$sensors/points+lines/window
@@ -36,7 +38,7 @@ step "Packages"
 cmake/setup_debian.sh program
 step "Building the program, of its configurations only $config"
 quiet cmake --preset release -B build/demo -DPLUMBLINE_TESTS=OFF -DPLUMBLINE_EXAMPLES=OFF \
-  -DPLUMBLINE_CONFIGURATIONS="${config//[-+\/]/_}"
+  -DPLUMBLINE_CONFIGURATIONS="$config"
 cmake --build build/demo --target plumbline_program
 plumbline=build/demo/benchmarks/plumbline/plumbline
 
@@ -50,13 +52,16 @@ step "Running $config on $dataset"
 "$plumbline" run --config "$config" --dataset "$dataset" --trajectory demo/trajectory.tum --timing demo/timing.csv
 echo "wrote demo/trajectory.tum, demo/timing.csv"
 
-# With an IMU the trajectory is that of the body, without that of the camera.
-references=(groundtruth.txt poses.txt)
-alignment=se3
-if [[ $sensors == *imu ]]; then
-  references=(groundtruth_body.csv mav0/state_groundtruth_estimate0/data.csv)
-  alignment=posyaw
-fi
+# With an IMU the trajectory is that of the body, without that of the camera; a camera alone knows no scale.
+references=(groundtruth.txt poses.txt mav0/state_groundtruth_estimate0/data.csv)
+case $sensors in
+  *imu)
+    references=(groundtruth_body.csv mav0/state_groundtruth_estimate0/data.csv)
+    alignment=posyaw
+    ;;
+  mono) alignment=sim3 ;;
+  *) alignment=se3 ;;
+esac
 for reference in "${references[@]}"; do
   if [[ -f $dataset/$reference ]]; then
     step "Comparing with $reference"

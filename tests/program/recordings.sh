@@ -14,7 +14,7 @@ within() {
   "$plumbline" evaluate --reference "$data/$name/$truth" --estimate out.tum --align "$alignment" > error.txt
   local ate frames poses
   ate=$(awk '/^APE translation/ {print $4}' error.txt)
-  frames=$( (cat "$data/$name"/rgb.txt || cat "$data/$name"/mav0/cam0/data.csv) 2> /dev/null | grep -vc '^#')
+  frames=$( (cat "$data/$name"/rgb.txt || cat "$data/$name"/mav0/cam0/data.csv || cat "$data/$name"/times.txt) 2> /dev/null | grep -vc '^#')
   poses=$(grep -vc '^#' out.tum)
   echo "$config $name: ATE $ate m, $poses of $frames frames"
   awk -v ate="$ate" -v bound="$bound" 'BEGIN {exit !(ate < bound)}' || fail "$name: ATE $ate m is not below $bound m"
@@ -39,4 +39,10 @@ within mono-imu/lines/window rendered_office_mono "$euroc_truth" posyaw 0.03 90
 within mono-imu/lines/window euroc_mh01_flight "$euroc_truth" posyaw 0.12 49
 within mono-imu/points+lines/window rendered_office_mono "$euroc_truth" posyaw 0.008 90
 within mono-imu/points+lines/window euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
+for features in points points+lines; do
+  within mono/$features/window rendered_office_mono "$euroc_truth" sim3 0.04 90
+  within mono/$features/window euroc_mh01_flight "$euroc_truth" sim3 0.06 49
+  within mono/$features/window kitti00_first20s poses.txt sim3 2 20
+done
+within mono/lines/window rendered_office_mono "$euroc_truth" sim3 0.2 90
 finish

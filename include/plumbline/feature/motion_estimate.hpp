@@ -6,10 +6,10 @@
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/motion_terms.hpp"
 #include "plumbline/lie/plus.hpp"
-#include "plumbline/motion/motion_model.hpp"
 #include "plumbline/residual/world_point.hpp"
 #include "plumbline/sensor/rig.hpp"
 #include "plumbline/solver/gauss_newton.hpp"
+#include "plumbline/state/pose_prior.hpp"
 
 namespace plumbline {
 

@@ -19,15 +19,9 @@
 #include "plumbline/core/time.hpp"
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/state/health.hpp"
+#include "plumbline/state/pose_prior.hpp"
 
 namespace plumbline {
-
-/// A belief about a frame's pose before its features are used.
-template <class S>
-struct PosePrior {
-  bool valid = false;
-  Vec<S, 6> sigma = Vec<S, 6>::Zero();  ///< of [dphi, dp] [rad, m]
-};
 
 template <class X, class S>
 struct Prediction {
