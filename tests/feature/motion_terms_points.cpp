@@ -1,6 +1,5 @@
-// The rows of the motion-only estimate: information and gradient against numeric derivatives and a plain inverse of
-// the covariance (docs/math/point.md (10)), and the gate.
-#include "plumbline/feature/point_motion_terms.hpp"
+// What points say about one frame: information and gradient against numeric derivatives and a plain inverse of the
+// covariance (docs/math/point.md (10)), and the gate.
 
 #include <Eigen/LU>
 #include <cmath>
@@ -9,8 +8,11 @@
 #include <type_traits>
 
 #include "catch.hpp"
-#include "plumbline/feature/point_map.hpp"
+#include "plumbline/feature/landmark_store.hpp"
+#include "plumbline/feature/motion_terms.hpp"
+#include "plumbline/feature/point_kind.hpp"
 #include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/state/frame_window.hpp"
 #include "plumbline/testing/numeric_jacobian.hpp"
 #include "plumbline/testing/simulated_points.hpp"
 
@@ -21,17 +23,16 @@ namespace {
 template <class S>
 struct Scene {
   using Sensors = Rig<Rgbd<Pinhole<S>, 64 * 64>>;
-  using Map = PointMap<Sensors, 64, 3>;
-  using Terms = typename Map::MotionTerms;
+  using Store = LandmarkStore<PointKind<Sensors>, 64, 3>;
+  using Terms = MotionTerms<Store>;
 
   testing::SimulatedPoints points;
   Sensors rig{};
   SE3<double> T_body_cam{SO3<double>::exp({0.1, -0.2, 0.3}), Vec<double, 3>(0.05, -0.1, 0.02)};
   SE3<double> T_keyframe{SO3<double>(), Vec<double, 3>(0, 0, -3)};
   SE3<double> T_frame{SO3<double>::exp({0.05, -0.1, 0.2}), Vec<double, 3>(0.3, 0.1, -2.9)};
-  Map map{{}};
-  typename Map::Window window;
-  std::unique_ptr<RigPyramid<Sensors>> pyramid = std::make_unique<RigPyramid<Sensors>>();
+  Store store{{}};
+  FrameWindow<S, VisualLayout, 3> window;
   std::unique_ptr<Terms> terms = std::make_unique<Terms>();
 
   /// Landmarks of one keyframe, observed once more by the latest frame.
@@ -40,24 +41,16 @@ struct Scene {
     points.noise_scale = noise_scale;
     points.scatter(count, {0.8, 0.6, 0.8}, 5);
     testing::Gaussian noise(7);
-    window.insert(0, T_keyframe.template cast<S>());
-    points.observe(map, T_keyframe * T_body_cam, 0, noise);
-    window.insert(1, T_frame.template cast<S>());
-    points.observe(map, T_frame * T_body_cam, 1, noise);
+    window.insert(0, {T_keyframe.template cast<S>()});
+    points.observe(store, T_keyframe * T_body_cam, 0, noise);
+    window.insert(1, {T_frame.template cast<S>()});
+    points.observe(store, T_frame * T_body_cam, 1, noise);
   }
-  void collect() {
-    const View<Sensors> view{rig,
-                             *pyramid,
-                             *pyramid,
-                             {},
-                             T_body_cam.template cast<S>(),
-                             {rig.vision.camera, testing::SimulatedPoints::height, S(0), Vec<S, 3>::Zero()}};
-    terms->collect(view, map, window);
-  }
+  void collect() { terms->collect(store, window, T_body_cam.template cast<S>()); }
   BodyView<S> body(const SE3<double>& T_world_body) const {
     return {T_world_body.template cast<S>(), T_body_cam.template cast<S>()};
   }
-  int gate(const SE3<double>& T_world_body) { return terms->gate(rig, map, body(T_world_body), S(13.8)); }
+  int gate(const SE3<double>& T_world_body) { return terms->gate(rig, store, body(T_world_body), S(13.8)); }
 };
 
 /// Pixel and inverse depth of a landmark in the latest frame less what was measured, when pose, readout time and
@@ -65,15 +58,15 @@ struct Scene {
 template <class S>
 Vec<double, 3> error(const Scene<S>& scene, std::size_t i, const SE3<double>& T_world_body, double d_readout,
                      double lambda) {
-  const auto& landmark = scene.map.landmarks()[i];
-  const Vec<double, 3> bearing =
-      landmark.bearing.template cast<double>() + d_readout * landmark.bearing_slope.template cast<double>();
+  const auto& landmark = scene.store.landmarks()[i];
+  const Vec<double, 3> bearing = landmark.geometry.bearing.template cast<double>() +
+                                 d_readout * landmark.geometry.bearing_slope.get().template cast<double>();
   const SE3<double> T_cam_anchor = (T_world_body * scene.T_body_cam).inverse() * scene.T_keyframe * scene.T_body_cam;
   const Vec<double, 3> p_cam = T_cam_anchor * Vec<double, 3>(bearing / lambda);
   const Vec<double, 2> uv =
-      landmark.current.uv.template cast<double>() + d_readout * landmark.current.uv_slope.template cast<double>();
+      landmark.current.uv.template cast<double>() + d_readout * landmark.current.uv_slope.get().template cast<double>();
   Vec<double, 3> out;
-  out << scene.points.camera.project(p_cam).uv - uv, 1 / p_cam.z() - double(landmark.current.depth.value);
+  out << scene.points.camera.project(p_cam).uv - uv, 1 / p_cam.z() - double(landmark.current.depth.get().value);
   return out;
 }
 
@@ -82,19 +75,20 @@ constexpr double tolerance = std::is_same_v<S, float> ? 1e-3 : 1e-6;
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("point_motion_terms: rows of pose and readout, whitened by pixel and landmark together", "", float,
-                   double) {
+TEMPLATE_TEST_CASE("motion_terms (points): rows of pose and readout, whitened by pixel and landmark together", "",
+                   float, double) {
   using S = TestType;
   Scene<S> scene(1, 0.2);  // one landmark: the system is its rows
-  REQUIRE(scene.map.landmarks().size() == 1);
-  auto& landmark = scene.map.landmarks()[0];
-  landmark.bearing_slope << S(0.2), S(-0.3), S(0.1);
-  landmark.current.uv_slope << 40.0f, -25.0f;
+  REQUIRE(scene.store.landmarks().size() == 1);
+  auto& landmark = scene.store.landmarks()[0];
+  landmark.geometry.bearing_slope.set(Vec<S, 3>(S(0.2), S(-0.3), S(0.1)));
+  landmark.current.uv_slope.set(Vec<float, 2>(40, -25));
   landmark.current.L << 2.0f, 0.7f, 0.0f, 0.5f;
   const bool has_depth = GENERATE(true, false);
-  landmark.current.depth.valid = has_depth;
+  const InverseDepth<S> depth = landmark.current.depth.get();
+  landmark.current.depth.set({has_depth, depth.value, depth.sigma});
   const double sigma_lambda = GENERATE(0.0, 0.003, 0.1);
-  landmark.sigma_inverse_range = S(sigma_lambda);
+  landmark.geometry.sigma_inverse_range = S(sigma_lambda);
   scene.collect();
   REQUIRE(scene.terms->size() == 1);
   DenseNormalEquations<S, 7> system;
@@ -102,7 +96,7 @@ TEMPLATE_TEST_CASE("point_motion_terms: rows of pose and readout, whitened by pi
   scene.terms->accumulate(scene.rig, scene.body(scene.T_frame), system);
   scene.terms->accumulate(scene.rig, scene.body(scene.T_frame), pose_system);
 
-  const double lambda = double(landmark.inverse_range), sigma_z = double(landmark.current.depth.sigma);
+  const double lambda = double(landmark.geometry.inverse_range), sigma_z = double(depth.sigma);
   Mat<double, 3, 7> J;
   J.leftCols<6>() = testing::numeric_jacobian<3, 6>([&](const SE3<double>& T) { return error(scene, 0, T, 0, lambda); },
                                                     scene.T_frame);
@@ -129,20 +123,20 @@ TEMPLATE_TEST_CASE("point_motion_terms: rows of pose and readout, whitened by pi
   REQUIRE((pose_system.H() - system.H().template topLeftCorner<6, 6>()).norm() <= S(1e-6) * pose_system.H().norm());
 }
 
-TEMPLATE_TEST_CASE("point_motion_terms: only located landmarks that the frame sees", "", float, double) {
+TEMPLATE_TEST_CASE("motion_terms (points): only located landmarks that the frame sees", "", float, double) {
   Scene<TestType> scene(10);
-  scene.map.landmarks()[2].located = false;
-  scene.map.landmarks()[5].current.valid = false;
+  scene.store.landmarks()[2].located = false;
+  scene.store.landmarks()[5].current.valid = false;
   scene.collect();
-  REQUIRE(scene.terms->size() == scene.map.landmarks().size() - 2);
+  REQUIRE(scene.terms->size() == scene.store.landmarks().size() - 2);
 }
 
-TEMPLATE_TEST_CASE("point_motion_terms: the gate takes out planted outliers, and NaN", "", float, double) {
+TEMPLATE_TEST_CASE("motion_terms (points): the gate takes out planted outliers, and NaN", "", float, double) {
   Scene<TestType> scene(50);
-  const int count = int(scene.map.landmarks().size());
+  const int count = int(scene.store.landmarks().size());
   REQUIRE(count > 40);
   for (int i = 0; i < count; ++i) {
-    auto& seen = scene.map.landmarks()[std::size_t(i)].current;
+    auto& seen = scene.store.landmarks()[std::size_t(i)].current;
     if (i % 5 == 1) seen.uv += Vec<float, 2>(0, i % 2 == 0 ? 15 : -15);
     if (i % 10 == 2) seen.uv.x() = std::numeric_limits<float>::quiet_NaN();
   }
@@ -151,7 +145,7 @@ TEMPLATE_TEST_CASE("point_motion_terms: the gate takes out planted outliers, and
   int valid = 0;
   for (int i = 0; i < count; ++i) {
     CAPTURE(i);
-    const bool planted = i % 5 == 1 || i % 10 == 2, stays = scene.map.landmarks()[std::size_t(i)].current.valid;
+    const bool planted = i % 5 == 1 || i % 10 == 2, stays = scene.store.landmarks()[std::size_t(i)].current.valid;
     REQUIRE((!planted || !stays));
     valid += stays;
   }
@@ -159,15 +153,15 @@ TEMPLATE_TEST_CASE("point_motion_terms: the gate takes out planted outliers, and
   REQUIRE(kept >= count * 2 / 3);
 }
 
-TEMPLATE_TEST_CASE("point_motion_terms: a frame in which all errors are large weighs less, and keeps its points", "",
+TEMPLATE_TEST_CASE("motion_terms (points): a frame in which all errors are large weighs less, and keeps its points", "",
                    float, double) {
   const auto weight_after_gate = [](double noise_scale, int& kept) {
     Scene<TestType> scene(60, noise_scale);
-    const float before = scene.map.landmarks()[0].current.L(0, 0);
+    const float before = scene.store.landmarks()[0].current.L(0, 0);
     scene.collect();
     kept = scene.gate(scene.T_frame);
     float after = 0;
-    for (const auto& landmark : scene.map.landmarks()) after = std::max(after, landmark.current.L(0, 0));
+    for (const auto& landmark : scene.store.landmarks()) after = std::max(after, landmark.current.L(0, 0));
     return after / before;
   };
   int kept = 0;
@@ -177,7 +171,7 @@ TEMPLATE_TEST_CASE("point_motion_terms: a frame in which all errors are large we
   REQUIRE(kept > 45);
 }
 
-TEMPLATE_TEST_CASE("point_motion_terms: a pose that is no number keeps nothing", "", float, double) {
+TEMPLATE_TEST_CASE("motion_terms (points): a pose that is no number keeps nothing", "", float, double) {
   using S = TestType;
   Scene<S> scene(20);
   scene.collect();
@@ -187,10 +181,10 @@ TEMPLATE_TEST_CASE("point_motion_terms: a pose that is no number keeps nothing",
   Vec<S, 6> d;
   REQUIRE_FALSE(system.solve(d));
   REQUIRE(scene.gate(T) == 0);
-  for (const auto& landmark : scene.map.landmarks()) REQUIRE_FALSE(landmark.current.valid);
+  for (const auto& landmark : scene.store.landmarks()) REQUIRE_FALSE(landmark.current.valid);
 }
 
-TEST_CASE("point_motion_terms: a frame without points") {
+TEST_CASE("motion_terms (points): a frame without points") {
   Scene<double> scene(0);
   scene.collect();
   REQUIRE(scene.gate(scene.T_frame) == 0);

@@ -1,7 +1,9 @@
-#include "plumbline/mapping/window_views.hpp"
+#include "plumbline/feature/window_views.hpp"
 
 #include "catch.hpp"
+#include "plumbline/lie/plus.hpp"
 #include "plumbline/solver/relative_equations.hpp"
+#include "plumbline/state/frame_window.hpp"
 
 using namespace plumbline;
 
@@ -9,21 +11,26 @@ namespace {
 
 const SE3<double> T_body_cam(SO3<double>::exp({1, 0.2, 0}), Vec<double, 3>(0.1, 0, 0));
 
-/// Two keyframes; the second has moved away from its linearization point.
-FrameWindow<double, 3> moved_window() {
-  FrameWindow<double, 3> window;
-  window.insert(1, SE3<double>(SO3<double>::exp({0.3, -0.2, 0.1}), Vec<double, 3>(0.4, 0, -0.2)));
-  window.insert(2, SE3<double>(SO3<double>::exp({0, 0.1, 0}), Vec<double, 3>(1, 0, 0)));
-  window.pose(1).fix_linearization_point();
-  window.pose(1).add((Vec<double, 6>() << 0.1, 0, 0, 0, 0.2, 0).finished());
+using Window = FrameWindow<double, VisualLayout, 3>;
+
+/// Two frames; the second has moved away from its first estimate.
+Window moved_window() {
+  Window window;
+  window.insert(1, {SE3<double>(SO3<double>::exp({0.3, -0.2, 0.1}), Vec<double, 3>(0.4, 0, -0.2))});
+  window.insert(2, {SE3<double>(SO3<double>::exp({0, 0.1, 0}), Vec<double, 3>(1, 0, 0))});
+  window.state(1).fix_first_estimates();
+  window.state(1).add((Vec<double, 6>() << 0.1, 0, 0, 0, 0.2, 0).finished());
   return window;
+}
+const SE3<double>& first_estimate(const Window& window, int slot) {
+  return window[slot].state.get<state::Pose>().first_estimate();
 }
 
 }  // namespace
 
 TEST_CASE("window_views: a step of the anchor is seen as the transported step of the target, to first order") {
-  FrameWindow<double, 3> window = moved_window();
-  const SE3<double> T_a = window[0].pose.linearization_point(), T_j = window[1].pose.linearization_point();
+  Window window = moved_window();
+  const SE3<double> T_a = first_estimate(window, 0), T_j = first_estimate(window, 1);
   RelativeEquations<double, 6, 3> pairs;
   WindowViews<double, 3>::set_transports(window, pairs);
   const Vec<double, 3> f = Vec<double, 3>(0.1, 0.2, 1).normalized();
@@ -37,8 +44,8 @@ TEST_CASE("window_views: a step of the anchor is seen as the transported step of
   }
 }
 
-TEST_CASE("window_views: views are those of the current poses, transports those of the linearization points") {
-  FrameWindow<double, 3> window = moved_window();
+TEST_CASE("window_views: views are those of the current poses, transports those of the first estimates") {
+  Window window = moved_window();
   WindowViews<double, 3> views;
   RelativeEquations<double, 6, 3> pairs;
   const auto update = [&] {
@@ -46,14 +53,14 @@ TEST_CASE("window_views: views are those of the current poses, transports those 
     views.set_transports(window, pairs);
   };
   update();
-  const RelativeView<double> now(window[0].pose.value(), window[1].pose.value(), T_body_cam);
+  const RelativeView<double> now(window.T_world_body(0), window.T_world_body(1), T_body_cam);
   const Vec<double, 3> f = Vec<double, 3>(0.1, 0.2, 1).normalized();
   REQUIRE(views(0, 1).scaled_point(f, 0.5) == now.scaled_point(f, 0.5));
   const Mat<double, 6, 6> transport = pairs.transport(0, 1);
-  const SE3<double> T_1_0 = window[1].pose.value().inverse() * window[0].pose.value();
+  const SE3<double> T_1_0 = window.T_world_body(1).inverse() * window.T_world_body(0);
   REQUIRE((transport - T_1_0.adjoint()).norm() > 0.01);
 
-  window.pose(1).add((Vec<double, 6>() << 0, 0.1, 0, 0, 0, 0.1).finished());
+  window.state(1).add((Vec<double, 6>() << 0, 0.1, 0, 0, 0, 0.1).finished());
   update();
   REQUIRE(pairs.transport(0, 1) == transport);
   REQUIRE((views(0, 1).scaled_point(f, 0.5) - now.scaled_point(f, 0.5)).norm() > 0.01);

@@ -1,5 +1,4 @@
-// The rows of the points against dense references built from the residual headers alone, in double.
-#include "plumbline/feature/point_window_terms.hpp"
+// What points add to a window against dense references built from the residual headers alone, in double.
 
 #include <Eigen/Cholesky>
 #include <cmath>
@@ -9,10 +8,14 @@
 #include <vector>
 
 #include "catch.hpp"
-#include "plumbline/feature/point_map.hpp"
+#include "plumbline/feature/landmark_store.hpp"
+#include "plumbline/feature/point_kind.hpp"
+#include "plumbline/feature/window_terms.hpp"
 #include "plumbline/residual/inverse_depth_point.hpp"
 #include "plumbline/sensor/rgbd.hpp"
 #include "plumbline/solver/bounded_matrix.hpp"
+#include "plumbline/solver/normal_equations.hpp"
+#include "plumbline/state/frame_window.hpp"
 #include "plumbline/testing/simulated_points.hpp"
 
 using namespace plumbline;
@@ -52,16 +55,17 @@ struct DenseRows {
 template <class S>
 struct Scene {
   using Sensors = Rig<Rgbd<Pinhole<S>>>;
-  using Map = PointMap<Sensors, 24, slots>;
-  using Landmark = typename Map::Landmark;
-  using Terms = typename Map::template WindowTerms<6>;
+  using Kind = PointKind<Sensors>;
+  using Store = LandmarkStore<Kind, 24, slots>;
+  using Landmark = typename Store::Landmark;
+  using Terms = WindowTerms<Store>;
   using Equations = NormalEquations<double, 6, slots>;
 
   testing::SimulatedPoints points;
   SE3<double> T_body_cam{SO3<double>::exp({0.1, -0.2, 0.3}), Vec<double, 3>(0.05, -0.1, 0.02)};
   Sensors rig{};
-  Map map{{}};
-  typename Map::Window window;
+  Store store{{}};
+  FrameWindow<S, VisualLayout, slots> window;
   WindowViews<S, slots> views;
   typename Terms::Pairs pairs;
   std::unique_ptr<Terms> terms = std::make_unique<Terms>();
@@ -75,22 +79,24 @@ struct Scene {
       const SE3<double> T(SO3<double>::exp({0.02 * k, -0.05 * k, 0.03 * k}), Vec<double, 3>(0.15 * k, 0.05 * k, -3));
       Vec<double, 6> error;
       error << 0.004 * noise.vector<3>(), 0.006 * noise.vector<3>();
-      window.insert(k, plus(T, error).template cast<S>());
+      window.insert(k, {plus(T, error).template cast<S>()});
       if (k < 2) {
-        window.pose(k).fix_linearization_point();
-        window.pose(k).add((0.5 * error).cast<S>());
+        window.state(k).fix_first_estimates();
+        window.state(k).add((0.5 * error).cast<S>());
       }
-      points.observe(map, T * T_body_cam, k, noise);
+      points.observe(store, T * T_body_cam, k, noise);
       if (k == 0) points.scatter(6, {1.0, 0.7, 1.0}, 8);  // seen from the second keyframe on
     }
-    for (Landmark& landmark : map.landmarks()) landmark.inverse_range *= S(1 + 0.02 * noise());
-    map.landmarks()[0].observations[0].depth.valid = false;  // no depth in the anchor
-    map.landmarks()[1].observations[2].depth.valid = false;  // nor elsewhere
-    map.landmarks()[2].observations[3].uv.x() += 30;         // beyond the kernel's threshold
-    map.landmarks()[3].observations[1].depth.value *= 2;
-    map.landmarks()[4].observations[1].L << 2.0f, 0.7f, 0.0f, 0.3f;
-    map.landmarks()[5].located = false;
-    for (int k = 1; k < used; ++k) map.landmarks()[6].observations[std::size_t(k)].valid = false;
+    for (Landmark& landmark : store.landmarks()) landmark.geometry.inverse_range *= S(1 + 0.02 * noise());
+    store.landmarks()[0].observations[0].depth.set({});  // no depth in the anchor
+    store.landmarks()[1].observations[2].depth.set({});  // nor elsewhere
+    store.landmarks()[2].observations[3].uv.x() += 30;   // beyond the kernel's threshold
+    InverseDepth<S> twice = store.landmarks()[3].observations[1].depth.get();
+    twice.value *= 2;
+    store.landmarks()[3].observations[1].depth.set(twice);
+    store.landmarks()[4].observations[1].L << 2.0f, 0.7f, 0.0f, 0.3f;
+    store.landmarks()[5].located = false;
+    for (int k = 1; k < used; ++k) store.landmarks()[6].observations[std::size_t(k)].valid = false;
     linearize_views();
   }
   void linearize_views() {
@@ -99,36 +105,39 @@ struct Scene {
   }
   double linearize() {
     pairs.reset();
-    return terms->linearize(rig, map, window, views, pairs);
+    return terms->linearize(rig, store, window, views, pairs);
   }
   /// All that the points add to the equations.
   bool eliminate(S mu, Equations& equations) {
     pairs.add_to(equations);
-    return terms->eliminate(map, mu, pairs, equations);
+    return terms->eliminate(store, mu, pairs, equations);
   }
 
   bool takes_part(std::size_t i) const { return i != 5 && i != 6; }
 
   /// All rows of a landmark, or those of one slot.
   DenseRows reference(std::size_t i, int only_slot = -1) const {
-    const Landmark& landmark = map.landmarks()[i];
+    const Landmark& landmark = store.landmarks()[i];
     const Pinhole<double> camera = points.camera;
     const Huber<double> pixel_loss{2.45}, depth_loss{1.345};
-    const double lambda = double(landmark.inverse_range);
-    const Vec<double, 3> f = landmark.bearing.template cast<double>();
+    const double lambda = double(landmark.geometry.inverse_range);
+    const Vec<double, 3> f = landmark.geometry.bearing.template cast<double>();
     const int a = landmark.anchor;
-    const auto current = [&](int k) { return window[k].pose.value().template cast<double>(); };
-    const auto linear = [&](int k) { return window[k].pose.linearization_point().template cast<double>(); };
+    const auto current = [&](int k) { return window.T_world_body(k).template cast<double>(); };
+    const auto linear = [&](int k) {
+      return window[k].state.template get<state::Pose>().first_estimate().template cast<double>();
+    };
     DenseRows rows;
     for (int slot = 0; slot < used; ++slot) {
-      const PointObservation<S>& seen = landmark.observations[std::size_t(slot)];
+      const typename Kind::Observation& seen = landmark.observations[std::size_t(slot)];
       if (!seen.valid || (only_slot >= 0 && slot != only_slot)) continue;
-      const double z = double(seen.depth.value), sigma = double(seen.depth.sigma);
+      const InverseDepth<S>& measured = seen.depth.get();
+      const double z = double(measured.value), sigma = double(measured.sigma);
       const Mat<double, 1, 1> L_z(1 / sigma);
       if (slot == a) {
         AnchoredLinearization<double, 1> lin{
             true, Vec<double, 1>(lambda / f.z() - z), {}, {}, Vec<double, 1>(1 / f.z())};
-        if (seen.depth.valid) rows.add(lin, L_z, depth_loss, -1, -1);
+        if (measured.valid) rows.add(lin, L_z, depth_loss, -1, -1);
         continue;
       }
       const InverseDepthReprojection<Pinhole<double>> pixel{seen.uv.template cast<double>()};
@@ -137,7 +146,7 @@ struct Scene {
       auto lin = pixel.linearize(camera, view, f, lambda);
       lin.J_r_anchor = lin.J_r_target * transport;
       rows.add(lin, Mat<double, 2, 2>(seen.L.template cast<double>()), pixel_loss, a, slot);
-      if (!seen.depth.valid) continue;
+      if (!measured.valid) continue;
       auto depth = InverseDepthMeasurement<double>{z}.linearize(view, f, lambda);
       depth.J_r_anchor = depth.J_r_target * transport;
       rows.add(depth, L_z, depth_loss, a, slot);
@@ -146,7 +155,7 @@ struct Scene {
   }
   double reference_cost() const {
     double sum = 0;
-    for (std::size_t i = 0; i < map.landmarks().size(); ++i) {
+    for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
       if (takes_part(i)) sum += reference(i).cost;
     }
     return sum;
@@ -169,17 +178,17 @@ constexpr double tolerance = std::is_same_v<S, float> ? 2e-4 : 1e-9;
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("point_window_terms: the reduced system is that of the dense reference", "", float, double) {
+TEMPLATE_TEST_CASE("window_terms (points): the reduced system is that of the dense reference", "", float, double) {
   using S = TestType;
   Scene<S> scene;
-  REQUIRE(scene.map.landmarks().size() == 22);
+  REQUIRE(scene.store.landmarks().size() == 22);
   REQUIRE(scene.linearize() == Approx(scene.reference_cost()).epsilon(tolerance<S>));
   for (const double mu : {1e-4, 1.0}) {
     typename Scene<S>::Equations equations;
     equations.reset(slots);
     REQUIRE(scene.eliminate(S(mu), equations));
     Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(pose_dim, pose_dim + 1);
-    for (std::size_t i = 0; i < scene.map.landmarks().size(); ++i) {
+    for (std::size_t i = 0; i < scene.store.landmarks().size(); ++i) {
       if (!scene.takes_part(i)) continue;
       const DenseRows rows = scene.reference(i);
       expected += schur(rows, mu * damping_scale(rows.information()));
@@ -192,7 +201,7 @@ TEMPLATE_TEST_CASE("point_window_terms: the reduced system is that of the dense 
   }
 }
 
-TEMPLATE_TEST_CASE("point_window_terms: steps and predicted decrease are those of the whole system", "", float,
+TEMPLATE_TEST_CASE("window_terms (points): steps and predicted decrease are those of the whole system", "", float,
                    double) {
   using S = TestType;
   Scene<S> scene;
@@ -206,12 +215,12 @@ TEMPLATE_TEST_CASE("point_window_terms: steps and predicted decrease are those o
   REQUIRE(scene.eliminate(S(mu), equations));
   typename Scene<S>::Equations::Vector d;
   REQUIRE(equations.solve(mu, d));
-  const double predicted = equations.predicted_decrease(mu, d) + scene.terms->solve(scene.map, d);
+  const double predicted = equations.predicted_decrease(mu, d) + scene.terms->solve(scene.store, d, 6);
 
   // The model's decrease, written out: -d.g - 1/2 d.H d over poses and landmarks, nothing eliminated.
   double expected = -50 * d.squaredNorm();
   std::vector<double> steps;
-  for (std::size_t i = 0; i < scene.map.landmarks().size(); ++i) {
+  for (std::size_t i = 0; i < scene.store.landmarks().size(); ++i) {
     steps.push_back(0);
     if (!scene.takes_part(i)) continue;
     const DenseRows rows = scene.reference(i);
@@ -224,41 +233,41 @@ TEMPLATE_TEST_CASE("point_window_terms: steps and predicted decrease are those o
   REQUIRE(predicted > 0);
 
   std::vector<S> before;
-  for (const auto& landmark : scene.map.landmarks()) before.push_back(landmark.inverse_range);
-  scene.terms->step(scene.map);
+  for (const auto& landmark : scene.store.landmarks()) before.push_back(landmark.geometry.inverse_range);
+  scene.terms->step(scene.store);
   for (std::size_t i = 0; i < before.size(); ++i) {
-    REQUIRE(double(scene.map.landmarks()[i].inverse_range - before[i]) ==
+    REQUIRE(double(scene.store.landmarks()[i].geometry.inverse_range - before[i]) ==
             Approx(steps[i]).epsilon(20 * tolerance<S>).margin(tolerance<S>));
   }
-  for (int k = 0; k < used; ++k) scene.window.pose(k).add(d.template segment<6>(6 * k).template cast<S>());
+  for (int k = 0; k < used; ++k) scene.window.state(k).add(d.template segment<6>(6 * k).template cast<S>());
   scene.views.update(scene.window, scene.T_body_cam.template cast<S>());
-  const double after = scene.terms->cost(scene.rig, scene.map, scene.window, scene.views);
+  const double after = scene.terms->cost(scene.rig, scene.store, scene.window, scene.views);
   REQUIRE(after == Approx(scene.reference_cost()).epsilon(tolerance<S>));
   REQUIRE(after < cost);
 
-  scene.terms->restore(scene.map);
-  for (std::size_t i = 0; i < before.size(); ++i) REQUIRE(scene.map.landmarks()[i].inverse_range == before[i]);
+  scene.terms->restore(scene.store);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    REQUIRE(scene.store.landmarks()[i].geometry.inverse_range == before[i]);
 }
 
-TEMPLATE_TEST_CASE("point_window_terms: inverse ranges stay where a point can be", "", float, double) {
+TEMPLATE_TEST_CASE("window_terms (points): inverse ranges stay where a point can be", "", float, double) {
   using S = TestType;
   Scene<S> scene;
-  auto& landmark = scene.map.landmarks()[1];
-  for (PointObservation<S>& seen :
-       landmark.observations) {  // the depths alone decide, and ask for one behind the camera
+  auto& landmark = scene.store.landmarks()[1];
+  for (auto& seen : landmark.observations) {  // the depths alone decide, and ask for one behind the camera
     seen.L.setZero();
-    seen.depth = {true, S(-1), S(10)};
+    seen.depth.set({true, S(-1), S(10)});
   }
   scene.linearize();
   typename Scene<S>::Equations equations;
   equations.reset(slots);
   REQUIRE(scene.eliminate(S(0), equations));
-  scene.terms->solve(scene.map, Eigen::VectorXd::Zero(pose_dim));
-  scene.terms->step(scene.map);
-  REQUIRE(landmark.inverse_range == Scene<S>::Terms::lambda_min);
+  scene.terms->solve(scene.store, Eigen::VectorXd::Zero(pose_dim).eval(), 6);
+  scene.terms->step(scene.store);
+  REQUIRE(landmark.geometry.inverse_range == Scene<S>::Kind::lambda_min);
 }
 
-TEMPLATE_TEST_CASE("point_window_terms: what leaves with a keyframe, against the dense Schur complement", "", float,
+TEMPLATE_TEST_CASE("window_terms (points): what leaves with a keyframe, against the dense Schur complement", "", float,
                    double) {
   using S = TestType;
   Scene<S> scene;
@@ -267,14 +276,14 @@ TEMPLATE_TEST_CASE("point_window_terms: what leaves with a keyframe, against the
   BoundedMatrix<double, max_rows, pose_dim + 2> work;
   Eigen::MatrixXd found = Eigen::MatrixXd::Zero(pose_dim, pose_dim + 1), expected = found;
   int anchored = 0, others = 0;
-  scene.terms->for_each_leaving(leaving, scene.rig, scene.map, scene.window, scene.views, [&](const auto& landmark) {
+  scene.terms->for_each_leaving(leaving, scene.rig, scene.store, scene.window, scene.views, [&](const auto& landmark) {
     work.resize(landmark.rows(), pose_dim + 2);
     const int rank = landmark.reduced_rows(work, scene.pairs, 6), n = landmark.rows() - rank;
     const Eigen::MatrixXd rows = work.block(rank, 1, n, pose_dim + 1);
     found += rows.leftCols(pose_dim).transpose() * rows;
   });
-  for (std::size_t i = 0; i < scene.map.landmarks().size(); ++i) {
-    const auto& landmark = scene.map.landmarks()[i];
+  for (std::size_t i = 0; i < scene.store.landmarks().size(); ++i) {
+    const auto& landmark = scene.store.landmarks()[i];
     const bool leaves = landmark.anchor == leaving;
     if (!scene.takes_part(i) || !landmark.observations[std::size_t(leaving)].valid) continue;
     const DenseRows rows = leaves ? scene.reference(i) : scene.reference(i, leaving);
@@ -287,43 +296,43 @@ TEMPLATE_TEST_CASE("point_window_terms: what leaves with a keyframe, against the
   REQUIRE(difference(found.col(pose_dim), expected.col(pose_dim)) < 5 * tolerance<S>);
 }
 
-TEMPLATE_TEST_CASE("point_window_terms: after convergence sigmas are set and outliers dropped", "", float, double) {
+TEMPLATE_TEST_CASE("window_terms (points): after convergence sigmas are set and outliers dropped", "", float, double) {
   using S = TestType;
   Scene<S> scene;
-  REQUIRE(scene.map.landmarks()[2].observations[3].valid);
-  scene.terms->finish(scene.rig, scene.map, scene.window, scene.views);
-  REQUIRE_FALSE(scene.map.landmarks()[2].observations[3].valid);
-  for (std::size_t i = 0; i < scene.map.landmarks().size(); ++i) {
+  REQUIRE(scene.store.landmarks()[2].observations[3].valid);
+  scene.terms->finish(scene.rig, scene.store, scene.window, scene.views);
+  REQUIRE_FALSE(scene.store.landmarks()[2].observations[3].valid);
+  for (std::size_t i = 0; i < scene.store.landmarks().size(); ++i) {
     if (!scene.takes_part(i)) continue;
-    REQUIRE(double(scene.map.landmarks()[i].sigma_inverse_range) ==
+    REQUIRE(double(scene.store.landmarks()[i].geometry.sigma_inverse_range) ==
             Approx(1 / std::sqrt(scene.reference(i).information())).epsilon(tolerance<S>));
   }
 }
 
-TEMPLATE_TEST_CASE("point_window_terms: a state that is no number never costs less", "", float, double) {
+TEMPLATE_TEST_CASE("window_terms (points): a state that is no number never costs less", "", float, double) {
   using S = TestType;
   typename Scene<S>::Equations equations;
   equations.reset(slots);
   {
     Scene<S> scene;
-    scene.map.landmarks()[1].observations[2].uv.x() = float(not_a_number);
+    scene.store.landmarks()[1].observations[2].uv.x() = float(not_a_number);
     REQUIRE(std::isnan(scene.linearize()));
-    REQUIRE(std::isnan(scene.terms->cost(scene.rig, scene.map, scene.window, scene.views)));
+    REQUIRE(std::isnan(scene.terms->cost(scene.rig, scene.store, scene.window, scene.views)));
     REQUIRE_FALSE(scene.eliminate(S(1e-4), equations));
-    scene.terms->finish(scene.rig, scene.map, scene.window, scene.views);  // drops it, and all is well again
-    REQUIRE_FALSE(scene.map.landmarks()[1].observations[2].valid);
+    scene.terms->finish(scene.rig, scene.store, scene.window, scene.views);  // drops it, and all is well again
+    REQUIRE_FALSE(scene.store.landmarks()[1].observations[2].valid);
     REQUIRE(std::isfinite(scene.linearize()));
     REQUIRE(scene.eliminate(S(1e-4), equations));
   }
   {
     Scene<S> scene;
-    scene.map.landmarks()[0].inverse_range = S(not_a_number);
-    REQUIRE(!(scene.terms->cost(scene.rig, scene.map, scene.window, scene.views) < Scene<S>().reference_cost()));
+    scene.store.landmarks()[0].geometry.inverse_range = S(not_a_number);
+    REQUIRE(!(scene.terms->cost(scene.rig, scene.store, scene.window, scene.views) < Scene<S>().reference_cost()));
   }
   {
     Scene<S> scene;
-    scene.window.pose(2).add(Vec<S, 6>::Constant(S(not_a_number)));
+    scene.window.state(2).add(Vec<S, 6>::Constant(S(not_a_number)));
     scene.linearize_views();
-    REQUIRE(!(scene.terms->cost(scene.rig, scene.map, scene.window, scene.views) < Scene<S>().reference_cost()));
+    REQUIRE(!(scene.terms->cost(scene.rig, scene.store, scene.window, scene.views) < Scene<S>().reference_cost()));
   }
 }
