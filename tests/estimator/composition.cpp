@@ -42,9 +42,9 @@ TEST_CASE("composition: the IMU decides on the motion model, and with it on a fr
 
 TEST_CASE("composition: depth decides on the start, an IMU comes on top of it") {
   STATIC_REQUIRE(std::same_as<Of<RgbdRig>::Start, DepthStart<float>>);
-  STATIC_REQUIRE(std::same_as<Of<MonoRig>::Start, TwoViewStart<float, false>>);
+  STATIC_REQUIRE(std::same_as<Of<MonoRig>::Start, TwoViewStart<float, UnguidedTwoView>>);
   STATIC_REQUIRE(std::same_as<Of<RgbdImuRig>::Start, InertialStart<float, DepthStart<float>>>);
-  STATIC_REQUIRE(std::same_as<Of<MonoImuRig>::Start, InertialStart<float, TwoViewStart<float, true>>>);
+  STATIC_REQUIRE(std::same_as<Of<MonoImuRig>::Start, InertialStart<float, TwoViewStart<float, GuidedTwoView>>>);
 }
 
 TEST_CASE("composition: each kind has a store of its own and the front end that the policy names") {

@@ -86,8 +86,8 @@ TEST_CASE("options: those of the motion and of the start follow the sensors") {
 }
 
 TEST_CASE("options: keyframes come as often as the sensors need them") {
-  REQUIRE(OptionsOf<MonoRig>{}.keyframe.max_motion_px < OptionsOf<RgbdImuRig>{}.keyframe.max_motion_px);
-  REQUIRE(OptionsOf<RgbdImuRig>{}.keyframe.max_motion_px < OptionsOf<RgbdRig>{}.keyframe.max_motion_px);
+  REQUIRE(OptionsOf<MonoRig>{}.keyframe.max_motion_rad < OptionsOf<RgbdImuRig>{}.keyframe.max_motion_rad);
+  REQUIRE(OptionsOf<RgbdImuRig>{}.keyframe.max_motion_rad < OptionsOf<RgbdRig>{}.keyframe.max_motion_rad);
   REQUIRE(OptionsOf<MonoImuRig>{}.keyframe.min_tracked_ratio > OptionsOf<RgbdImuRig>{}.keyframe.min_tracked_ratio);
 }
 
