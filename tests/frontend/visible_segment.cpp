@@ -1,4 +1,4 @@
-#include "plumbline/feature/visible_segment.hpp"
+#include "plumbline/frontend/visible_segment.hpp"
 
 #include <limits>
 #include <memory>
@@ -12,10 +12,10 @@ using namespace plumbline;
 
 namespace {
 
-template <class Camera>
+template <class Camera, class Shutter = Global>
 struct Scene {
   using S = typename Camera::Scalar;
-  using Sensors = Rig<Mono<Camera, 320 * 240>>;
+  using Sensors = Rig<Mono<Camera, 320 * 240, Shutter>>;
   Sensors rig{};
   std::unique_ptr<RigPyramid<Sensors>> pyramid = std::make_unique<RigPyramid<Sensors>>();
   std::array<std::uint8_t, 320 * 240> pixels{};
@@ -26,7 +26,8 @@ struct Scene {
   }
   bool see(const Vec<S, 3>& p, const Vec<S, 3>& q, LineSegment& out, S readout_s = 0,
            const Vec<S, 3>& rate = Vec<S, 3>::Zero()) const {
-    const View<Sensors> view{rig, *pyramid, *pyramid, {}, {}, {rig.vision.camera, 240, readout_s, rate}};
+    View<Sensors> view{0, S(0), rig, *pyramid, *pyramid, {}, {}, {}, {rig.vision.camera, 240, readout_s}};
+    view.shutter.set_angular_rate(rate);
     return visible_segment(view, p, q, out);
   }
 };
@@ -56,13 +57,18 @@ TEMPLATE_TEST_CASE("visible_segment: whole, cut, behind, outside", "", float, do
 TEST_CASE("visible_segment: a distorted image, read row by row") {
   using V = Vec<double, 3>;
   const Pinhole<double, RadTan> camera{200, 200, 159.5, 119.5, {-0.28, 0.07, 0, 0}};
-  const Scene<Pinhole<double, RadTan>> scene(camera);
+  const Scene<Pinhole<double, RadTan>, Rolling> scene(camera);
   LineSegment out;
   const V p(-0.7, 0.4, 2), q(0.6, 0.5, 2), rate(0, 1, 0);
   REQUIRE(scene.see(p, q, out));
   REQUIRE((out.start - camera.project(p).uv.cast<float>()).norm() < 1e-3f);
   REQUIRE(scene.see(p, q, out, 0.02, rate));
-  const RollingShutter<Pinhole<double, RadTan>> shutter(camera, 240, 0.02, rate);
+  RollingShutter<Pinhole<double, RadTan>> shutter(camera, 240, 0.02);
+  shutter.set_angular_rate(rate);
   REQUIRE((out.start - shutter.seen(camera.project(p).uv).cast<float>()).norm() < 1e-3f);
   REQUIRE((out.start - camera.project(p).uv.cast<float>()).norm() > 0.5f);
+
+  const Scene<Pinhole<double, RadTan>, Global> global(camera);  // all rows at once, whatever it is told
+  REQUIRE(global.see(p, q, out, 0.02, rate));
+  REQUIRE((out.start - camera.project(p).uv.cast<float>()).norm() < 1e-3f);
 }

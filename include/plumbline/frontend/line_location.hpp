@@ -8,6 +8,7 @@
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/landmark.hpp"
+#include "plumbline/feature/segment_observation.hpp"
 #include "plumbline/geometry/line_depth.hpp"
 #include "plumbline/geometry/line_triangulation.hpp"
 #include "plumbline/residual/anchored_line.hpp"

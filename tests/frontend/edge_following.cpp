@@ -1,5 +1,5 @@
-// The map of lines on rendered images, given the true poses or wrong ones.
-#include "plumbline/feature/line_map.hpp"
+// Lines on rendered images, given the true poses or wrong ones.
+#include "plumbline/frontend/edge_following.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@
 
 #include "catch.hpp"
 #include "estimator/simulation.hpp"
-#include "plumbline/feature/lines.hpp"
 #include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/state/frame_window.hpp"
 
 using namespace plumbline;
 using test::SimulatedRgbd;
@@ -34,11 +34,14 @@ double median(std::vector<double> x) {
 
 template <int N>
 struct Run {
-  using Map = typename Lines<N>::template Map<Sensors, slots>;
+  using Kind = LineKind<Sensors>;
+  using Store = LandmarkStore<Kind, N, slots>;
+  using FrontEnd = EdgeFollowing<Store>;
   Sensors rig{};
   bool with_depth = true;
-  std::unique_ptr<Map> map = std::make_unique<Map>(LineOptions{});
-  typename Map::Window window;
+  std::unique_ptr<Store> store = std::make_unique<Store>(StoreOptions{});
+  std::unique_ptr<FrontEnd> edges = std::make_unique<FrontEnd>(EdgeFollowingOptions{});
+  FrameWindow<double, VisualLayout, slots> window;
   std::unique_ptr<std::array<RigPyramid<Sensors>, 2>> pyramids = std::make_unique<std::array<RigPyramid<Sensors>, 2>>();
   int current = 0;
 
@@ -52,34 +55,46 @@ struct Run {
   View<Sensors> view(int i) {
     REQUIRE((*pyramids)[std::size_t(i % 2)].build(room().frames[std::size_t(i)].gray.view()));
     current = i;
-    return {rig,
+    return {room().t_ns[std::size_t(i)],
+            0.05,
+            rig,
             (*pyramids)[std::size_t(1 - i % 2)],
             (*pyramids)[std::size_t(i % 2)],
             with_depth ? room().frames[std::size_t(i)].depth.view() : ImageView<const std::uint16_t>{},
+            truth(std::max(i - 1, 0)),
             {},
-            {rig.vision.camera, SimulatedRgbd::height, 0, Vec<double, 3>::Zero()}};
+            {rig.vision.camera, SimulatedRgbd::height, 0.0}};
   }
-  void track(int i, const SE3<double>& T_predicted) { map->track(view(i), window, truth(i - 1), T_predicted); }
+  void track(int i, const SE3<double>& T_predicted) {
+    store->begin_frame();
+    edges->follow(view(i), window, *store, T_predicted);
+  }
+  void refine(int i, const SE3<double>& T) { edges->refine(view(i), window, *store, T); }
+  void locate(int i) { edges->locate(view(i), window, *store, truth(i)); }
   int insert_keyframe(int i) {
-    const int slot = window.insert(i, truth(i));
-    map->insert_keyframe(view(i), window, slot);
+    const int slot = window.insert(i, {truth(i)});
+    store->record(slot);
+    edges->detect(view(i), window, *store, slot);
     return slot;
   }
   /// To frame i with true poses.
   void follow(int i) {
     while (current < i) {
       track(current + 1, truth(current + 1));
-      map->align(view(current), window, truth(current));
+      refine(current, truth(current));
     }
+  }
+  Vec<double, 3> p_world(const typename Store::Landmark& landmark) const {
+    return window.T_world_body(landmark.anchor) * landmark.geometry.middle();
   }
   /// Distances [px] of what the current frame sees to the located lines, seen from the true pose.
   std::vector<double> errors_px() const {
     std::vector<double> out;
-    for (const auto& landmark : map->landmarks()) {
+    for (const auto& landmark : store->landmarks()) {
       if (!landmark.current.valid || !landmark.located) continue;
       const Plucker<double> line =
-          truth(current).inverse() * (window[landmark.anchor].pose.value() * landmark.line.plucker());
-      for (const double e : landmark.current.pixels.residual(line)) out.push_back(std::abs(e));
+          truth(current).inverse() * (window.T_world_body(landmark.anchor) * landmark.geometry.line.plucker());
+      for (const double e : landmark.current.pixels.measured.residual(line)) out.push_back(std::abs(e));
     }
     return out;
   }
@@ -87,29 +102,29 @@ struct Run {
 
 }  // namespace
 
-TEST_CASE("line_map: lines located by one depth image fit the next frames") {
+TEST_CASE("edge_following: lines located by one depth image fit the next frames") {
   Run<60> run;
-  const int first = run.map->tracked_count();
+  const int first = run.store->tracked_count();
   REQUIRE(first >= 20);
   run.follow(10);
-  const int left = run.map->tracked_count();
+  const int left = run.store->tracked_count();
   const std::vector<double> errors = run.errors_px();
   CAPTURE(first, left, median(errors));
   REQUIRE(left > 0.6 * first);
   REQUIRE(median(errors) < 0.6);
   double inverse_sum = 0, motion_px = 0;
   int count = 0, moved = 0;
-  run.map->add_inverse_ranges(inverse_sum, count);
+  run.store->add_inverse_ranges(inverse_sum, count);
   REQUIRE(count == left);
   REQUIRE(count / inverse_sum > 1);
   REQUIRE(count / inverse_sum < 4);
-  run.map->add_motion_since(0, motion_px, moved);
+  run.store->add_motion_since(0, motion_px, moved);
   REQUIRE(moved >= left);
   // The mean over lines of all directions is near the mean motion of the image.
   double flow_px = 0;
-  for (const auto& landmark : run.map->landmarks()) {
+  for (const auto& landmark : run.store->landmarks()) {
     if (!landmark.current.valid || !landmark.located) continue;
-    const Vec<double, 3> p = run.map->p_world(landmark, run.window, {});
+    const Vec<double, 3> p = run.p_world(landmark);
     flow_px +=
         (room().camera.project(truth(0).inverse() * p).uv - room().camera.project(truth(10).inverse() * p).uv).norm() /
         left;
@@ -120,46 +135,46 @@ TEST_CASE("line_map: lines located by one depth image fit the next frames") {
 }
 
 TEST_CASE(
-    "line_map: a prediction some pixels off loses little, and what is lost is found again where the pose is right") {
+    "edge_following: a prediction some pixels off loses little, and what is lost is found again where the pose is "
+    "right") {
   Run<60> right, wrong;
-  const int first = right.map->tracked_count();
+  const int first = right.store->tracked_count();
   for (int i = 1; i <= 5; ++i) {
     right.follow(i);
     const double sign = i % 2 == 0 ? 1 : -1;
     wrong.track(i, plus(truth(i), Vec<double, 6>(sign * Vec<double, 6>(0.015, 0.02, 0.01, 0, 0, 0))));  // 5 px
-    wrong.map->align(wrong.view(i), wrong.window, truth(i));
+    wrong.refine(i, truth(i));
   }
-  REQUIRE(right.map->tracked_count() > 0.7 * first);
-  REQUIRE(wrong.map->tracked_count() > 0.9 * right.map->tracked_count());
+  REQUIRE(right.store->tracked_count() > 0.7 * first);
+  REQUIRE(wrong.store->tracked_count() > 0.9 * right.store->tracked_count());
   REQUIRE(median(wrong.errors_px()) < 0.6);
 
-  const int tracked = right.map->tracked_count();
-  for (std::size_t i = 0; i < right.map->landmarks().size(); ++i) {
-    right.map->landmarks()[i].profile = right.map->landmarks()[i].current.profile;
-    right.map->reject_current(int(i));
+  const int tracked = right.store->tracked_count();
+  for (std::size_t i = 0; i < right.store->landmarks().size(); ++i) {
+    right.store->reject(int(i));
   }
-  REQUIRE(right.map->tracked_count() == 0);
-  REQUIRE(right.map->rejected().size() == right.map->landmarks().size());
-  right.map->align(right.view(5), right.window, truth(5));
-  REQUIRE(right.map->tracked_count() > 0.8 * tracked);
+  REQUIRE(right.store->tracked_count() == 0);
+  REQUIRE(right.store->rejected().size() == right.store->landmarks().size());
+  right.refine(5, truth(5));
+  REQUIRE(right.store->tracked_count() > 0.8 * tracked);
   right.follow(6);
-  REQUIRE(right.map->rejected().empty());
+  REQUIRE(right.store->rejected().empty());
 }
 
-TEST_CASE("line_map: without depth, lines come from two views with parallax") {
+TEST_CASE("edge_following: without depth, lines come from two views with parallax") {
   Run<60> run(false);
-  REQUIRE(run.map->tracked_count() == 0);
-  REQUIRE(run.map->landmarks().size() > 20);
-  run.map->triangulate(run.view(0), run.window, truth(0));  // no parallax
-  REQUIRE(run.map->tracked_count() == 0);
+  REQUIRE(run.store->tracked_count() == 0);
+  REQUIRE(run.store->landmarks().size() > 20);
+  run.locate(0);  // no parallax
+  REQUIRE(run.store->tracked_count() == 0);
   run.follow(12);
-  run.map->triangulate(run.view(12), run.window, truth(12));
-  REQUIRE(run.map->tracked_count() >= 5);
+  run.locate(12);
+  REQUIRE(run.store->tracked_count() >= 5);
   std::vector<double> errors;  // of inverse depth, in sigmas of the line's and 2 % of the depth image's
   const ImageView<const std::uint16_t> depth = room().frames[12].depth.view();
-  for (const auto& landmark : run.map->landmarks()) {
+  for (const auto& landmark : run.store->landmarks()) {
     if (!landmark.current.valid || !landmark.located) continue;
-    const Vec<double, 3> p = truth(12).inverse() * run.map->p_world(landmark, run.window, {});
+    const Vec<double, 3> p = truth(12).inverse() * run.p_world(landmark);
     const Vec<double, 2> uv = room().camera.project(p).uv;
     if (!depth.contains(float(uv.x()), float(uv.y()), 2.0f)) continue;
     double nearest = 1e9;  // an edge is where depth changes
@@ -175,67 +190,68 @@ TEST_CASE("line_map: without depth, lines come from two views with parallax") {
   REQUIRE(median(errors) < 0.05);
 }
 
-TEST_CASE("line_map: one landmark for each edge, never more than there is room for") {
+TEST_CASE("edge_following: one landmark for each edge, never more than there is room for") {
   Run<12> run;
-  REQUIRE(run.map->landmarks().full());
+  REQUIRE(run.store->landmarks().full());
   run.follow(6);
   run.insert_keyframe(6);
-  REQUIRE(run.map->landmarks().size() <= 12);
+  REQUIRE(run.store->landmarks().size() <= 12);
 
   Run<60> large;
   large.follow(6);
   large.insert_keyframe(6);
   const MergeOptions overlapping{.max_gap_px = 0};
-  for (const auto& a : large.map->landmarks()) {
-    for (const auto& b : large.map->landmarks()) {
+  for (const auto& a : large.store->landmarks()) {
+    for (const auto& b : large.store->landmarks()) {
       if (a.id == b.id || !a.current.valid || !b.current.valid) continue;
       REQUIRE_FALSE(are_one(a.current.segment, b.current.segment, overlapping));
     }
   }
 }
 
-TEST_CASE("line_map: a pose that is no number finds nothing, and the frame can be taken back") {
+TEST_CASE("edge_following: a pose that is no number finds nothing, and the frame can be taken back") {
   Run<60> run;
-  const int tracked = run.map->tracked_count();
+  const int tracked = run.store->tracked_count();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const SE3<double> nowhere(SO3<double>(), Vec<double, 3>::Constant(nan));
   run.track(1, nowhere);
-  run.map->align(run.view(1), run.window, nowhere);
-  REQUIRE(run.map->tracked_count() == 0);
-  run.map->undo_frame();
-  REQUIRE(run.map->tracked_count() == tracked);
-  run.map->prune();
-  REQUIRE(run.map->tracked_count() == tracked);
+  run.refine(1, nowhere);
+  REQUIRE(run.store->tracked_count() == 0);
+  run.store->undo_frame();
+  REQUIRE(run.store->tracked_count() == tracked);
+  run.store->prune();
+  REQUIRE(run.store->tracked_count() == tracked);
 }
 
 TEST_CASE(
-    "line_map: landmarks go with their anchor, when they are lost before they are known, and when all is cleared") {
+    "edge_following: landmarks go with their anchor, when they are lost before they are known, and when all is "
+    "cleared") {
   Run<60> run;
-  run.map->landmarks().resize(40);
+  run.store->landmarks().resize(40);
   run.follow(6);
   const int slot = run.insert_keyframe(6);
-  const std::size_t all = run.map->landmarks().size();
+  const std::size_t all = run.store->landmarks().size();
   std::size_t of_first = 0;
-  for (const auto& landmark : run.map->landmarks()) of_first += landmark.anchor != slot;
+  for (const auto& landmark : run.store->landmarks()) of_first += landmark.anchor != slot;
   REQUIRE(of_first > 0);
   REQUIRE(of_first < all);
-  run.map->remove_keyframe(0);
-  REQUIRE(run.map->landmarks().size() == all - of_first);
-  for (const auto& landmark : run.map->landmarks()) REQUIRE(landmark.anchor == slot);
+  run.store->remove_frame(0);
+  REQUIRE(run.store->landmarks().size() == all - of_first);
+  for (const auto& landmark : run.store->landmarks()) REQUIRE(landmark.anchor == slot);
 
-  auto& known = run.map->landmarks()[0];
+  auto& known = run.store->landmarks()[0];
   known.located = true;
   known.current.valid = false;
-  for (auto& seen : known.observations) seen = run.map->landmarks()[1].current, seen.valid = true;
-  run.map->landmarks()[1].current.valid = false;  // one observation is not enough to wait for it
-  const std::uint32_t kept = known.id, dropped = run.map->landmarks()[1].id;
-  run.map->prune();
+  for (auto& seen : known.observations) seen = run.store->landmarks()[1].current, seen.valid = true;
+  run.store->landmarks()[1].current.valid = false;  // one observation is not enough to wait for it
+  const std::uint32_t kept = known.id, dropped = run.store->landmarks()[1].id;
+  run.store->prune();
   const auto has = [&](std::uint32_t id) {
-    return std::any_of(run.map->landmarks().begin(), run.map->landmarks().end(),
+    return std::any_of(run.store->landmarks().begin(), run.store->landmarks().end(),
                        [&](const auto& landmark) { return landmark.id == id; });
   };
   REQUIRE(has(kept));
   REQUIRE_FALSE(has(dropped));
-  run.map->clear();
-  REQUIRE(run.map->landmarks().empty());
+  run.store->clear();
+  REQUIRE(run.store->landmarks().empty());
 }

@@ -1,0 +1,121 @@
+#include "plumbline/frontend/image_pair.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "catch.hpp"
+#include "estimator/simulation.hpp"
+#include "plumbline/camera/pinhole.hpp"
+#include "plumbline/sensor/mono.hpp"
+#include "plumbline/sensor/rgbd.hpp"
+
+using namespace plumbline;
+using test::SimulatedRgbd;
+
+namespace {
+
+constexpr int width = SimulatedRgbd::width, height = SimulatedRgbd::height;
+template <class S>
+using RgbdRig = Rig<Rgbd<Pinhole<S>, width * height>>;
+template <class S>
+using MonoRig = Rig<Mono<Pinhole<S>, width * height>>;
+
+template <class Sensors>
+Sensors rig_of(const Pinhole<double>& camera) {
+  using S = typename Sensors::Scalar;
+  Sensors rig{};
+  rig.vision.camera = {S(camera.fx), S(camera.fy), S(camera.cx), S(camera.cy), {}};
+  rig.vision.width = width;
+  rig.vision.height = height;
+  return rig;
+}
+
+const SimulatedRgbd& room() {
+  static const SimulatedRgbd simulated(3, 2, 10);
+  return simulated;
+}
+
+}  // namespace
+
+TEST_CASE("image_pair: images have the size of the rig, depth the size of the image or none") {
+  const auto rig = rig_of<RgbdRig<float>>(room().camera);
+  RgbdRig<float>::Frame frame;
+  frame.gray = room().frames[0].gray.view();
+  REQUIRE(ImagePair<RgbdRig<float>>::has_right_size(rig, frame));
+  frame.depth = room().frames[0].depth.view();
+  REQUIRE(ImagePair<RgbdRig<float>>::has_right_size(rig, frame));
+  frame.depth.width -= 1;
+  REQUIRE_FALSE(ImagePair<RgbdRig<float>>::has_right_size(rig, frame));
+  frame.depth = {};
+  frame.gray.height -= 1;
+  REQUIRE_FALSE(ImagePair<RgbdRig<float>>::has_right_size(rig, frame));
+  REQUIRE_FALSE(ImagePair<MonoRig<float>>::has_right_size(rig_of<MonoRig<float>>(room().camera), {}));
+}
+
+TEMPLATE_TEST_CASE("image_pair: the new image beside the kept one, and where that was taken", "", RgbdRig<float>,
+                   RgbdRig<double>, MonoRig<double>) {
+  using Sensors = TestType;
+  using S = typename Sensors::Scalar;
+  const auto rig = rig_of<Sensors>(room().camera);
+  const auto images = std::make_unique<ImagePair<Sensors>>(RotationAlignmentOptions{});
+  const auto see = [&](std::size_t i) {
+    typename Sensors::Frame frame;
+    frame.t_ns = room().t_ns[i];
+    frame.gray = room().frames[i].gray.view();
+    if constexpr (Sensors::has_depth) frame.depth = room().frames[i].depth.view();
+    REQUIRE(images->see(frame));
+    return images->view(rig, frame, SE3<S>(), S(0), S(0.1));
+  };
+  const auto shows = [&](const auto& pyramid, std::size_t i) {
+    return pyramid.level(0)(100, 100) == room().frames[i].gray.view()(100, 100) &&
+           pyramid.level(0)(37, 200) == room().frames[i].gray.view()(37, 200);
+  };
+  const SE3<S> T(SO3<S>(), Vec<S, 3>(1, 2, 3));
+  {
+    const View<Sensors> view = see(0);
+    REQUIRE(view.t_ns == room().t_ns[0]);
+    REQUIRE(view.dt == S(0.1));
+    REQUIRE(&view.camera() == &rig.vision.camera);
+    REQUIRE(view.depth.empty() != Sensors::has_depth);
+    REQUIRE(shows(view.current, 0));
+    images->keep(view, T);
+  }
+  {
+    const View<Sensors> view = see(1);
+    REQUIRE(shows(view.previous, 0));
+    REQUIRE(shows(view.current, 1));
+    REQUIRE(view.T_world_previous.p() == T.p());
+  }  // not kept
+  const View<Sensors> view = see(2);
+  REQUIRE(shows(view.previous, 0));
+  REQUIRE(shows(view.current, 2));
+}
+
+TEMPLATE_TEST_CASE("image_pair: the coarsest pixels tell how the camera turned", "", float, double) {
+  using S = TestType;
+  using Sensors = MonoRig<S>;
+  const auto rig = rig_of<Sensors>(room().camera);
+  const auto images = std::make_unique<ImagePair<Sensors>>(RotationAlignmentOptions{});
+  std::vector<std::uint8_t> moved(std::size_t(width * height));
+  const ImageView<const std::uint8_t> image = room().frames[0].gray.view();
+  constexpr int shift = 12;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) moved[std::size_t(y * width + x)] = image(std::max(x - shift, 0), y);
+  }
+  typename Sensors::Frame first{0, image}, second{1, {moved.data(), width, height, width}};
+  REQUIRE(images->see(first));
+  images->keep(images->view(rig, first, SE3<S>(), S(0), S(0.1)), SE3<S>());
+  REQUIRE(images->see(second));
+  const View<Sensors> view = images->view(rig, second, SE3<S>(), S(0), S(0.1));
+  const RotationAlignment<S> found = images->align_rotation(view, SO3<S>());
+  REQUIRE(found.valid);
+  // What was straight ahead is now seen `shift` pixels to the right.
+  const Vec<S, 3> ahead = found.R_cur_prev * Vec<S, 3>::UnitZ();
+  REQUIRE(double(ahead.x() / ahead.z()) == Approx(shift / 268.0).epsilon(0.2));
+  REQUIRE(std::abs(double(ahead.y())) < 0.01);
+  // A wrong guess does no harm: rest is tried as well.
+  const RotationAlignment<S> again = images->align_rotation(view, SO3<S>::exp({S(0.8), S(-0.5), S(1)}));
+  REQUIRE((again.valid && again.cost <= found.cost * S(1.01)));
+}
