@@ -8,13 +8,11 @@
 /// poses and no links, docs/math/inertial_window.md has both.
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
 #include <tuple>
 #include <type_traits>
 
 #include "plumbline/backend/backend.hpp"
+#include "plumbline/backend/window_equations.hpp"
 #include "plumbline/backend/window_prior.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/window_terms.hpp"
@@ -23,9 +21,6 @@
 #include "plumbline/map/retired.hpp"
 #include "plumbline/motion/motion_model.hpp"
 #include "plumbline/solver/levenberg_marquardt.hpp"
-#include "plumbline/solver/marginalization.hpp"
-#include "plumbline/solver/normal_equations.hpp"
-#include "plumbline/solver/relative_equations.hpp"
 #include "plumbline/state/frame_window.hpp"
 
 namespace plumbline {
@@ -68,8 +63,8 @@ class WindowBackend {
       J(k, k) = 1 / (k < 3 ? options_.sigma_first_rotation : options_.sigma_first_position);
     }
     set_prior(slot, J);
-    order_parameters();
-    build_equations();  // so that a covariance is defined before the first optimization
+    equations_.order(window_);
+    equations_.begin(window_, prior_, links_);  // so that a covariance is defined before the first optimization
     return slot;
   }
 
@@ -140,7 +135,7 @@ class WindowBackend {
   LevenbergMarquardtSummary optimize(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks,
                                      const LevenbergMarquardtOptions& solver) {
     if (links_.active()) links_.follow_biases(window_);
-    order_parameters();
+    equations_.order(window_);
     Problem problem{*this, rig, landmarks, T_body_cam};
     const LevenbergMarquardtSummary summary = levenberg_marquardt(problem, solver);
     views_.update(window_, T_body_cam);
@@ -163,7 +158,7 @@ class WindowBackend {
     links_.remove(slot);
     landmarks.for_each_with(terms_, [&](auto& store, auto& terms) {
       terms.for_each_leaving(slot, rig, store, window_, views_,
-                             [&](const auto& landmark) { prior_.add_landmark(landmark, pairs_); });
+                             [&](const auto& landmark) { prior_.add_landmark(landmark, equations_.pairs); });
       store.remove_frame(slot);
     });
     prior_.retire(window_, slot);
@@ -173,13 +168,7 @@ class WindowBackend {
   /// defined.
   template <int Dim>
   bool covariance_of_newest(Mat<S, Dim, Dim>& covariance) const {
-    static_assert(Dim <= Layout::dim);
-    Mat<double, Layout::dim, Layout::dim> block;
-    if (!equations_.covariance_block(window_.newest(), block)) return false;
-    for (int c = 0; c < Dim; ++c) {
-      for (int r = 0; r < Dim; ++r) covariance(r, c) = S(block(r, c));
-    }
-    return true;
+    return equations_.covariance(window_.newest(), covariance);
   }
 
  private:
@@ -194,9 +183,6 @@ class WindowBackend {
   static constexpr int max_dim_of(std::tuple<T...>*) {
     return std::max({T::Kind::dim...});
   }
-  static constexpr int dim = K * Layout::dim;
-  using Equations = NormalEquations<double, Layout::dim, K>;
-  using Pairs = RelativeEquations<double, state::Pose::dim, K>;  // features see poses alone
   using PriorOfAll = WindowPrior<Window, max_rows_of(static_cast<AllTerms*>(nullptr)),
                                  max_dim_of(static_cast<AllTerms*>(nullptr))>;
 
@@ -209,30 +195,30 @@ class WindowBackend {
 
     double linearize() {
       self.linearize_views(T_body_cam);
-      self.pairs_.reset();
+      self.equations_.pairs.reset();
       double cost = self.cost_of_frames();
       landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
-        cost += terms.linearize(rig, store, self.window_, self.views_, self.pairs_);
+        cost += terms.linearize(rig, store, self.window_, self.views_, self.equations_.pairs);
       });
       return cost;
     }
 
     /// The equations of the frames alone.
     bool eliminate(double mu) {
-      self.build_equations();
-      self.pairs_.add_to(self.equations_);
+      self.equations_.begin(self.window_, self.prior_, self.links_);
+      self.equations_.pairs.add_to(self.equations_.normal);
       bool eliminated = true;
       landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
-        eliminated = eliminated && terms.eliminate(store, S(mu), self.pairs_, self.equations_);
+        eliminated = eliminated && terms.eliminate(store, S(mu), self.equations_.pairs, self.equations_.normal);
       });
       return eliminated;
     }
 
     bool solve(double mu, double& predicted_decrease) {
-      if (!eliminate(mu) || !self.equations_.solve(mu, self.step_)) return false;
-      predicted_decrease = self.equations_.predicted_decrease(mu, self.step_);
+      if (!eliminate(mu) || !self.equations_.normal.solve(mu, self.equations_.step)) return false;
+      predicted_decrease = self.equations_.normal.predicted_decrease(mu, self.equations_.step);
       landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
-        predicted_decrease += terms.solve(store, self.step_, Layout::dim);
+        predicted_decrease += terms.solve(store, self.equations_.step, Layout::dim);
       });
       return true;
     }
@@ -242,7 +228,7 @@ class WindowBackend {
       for (int k = 0; k < K; ++k) {
         if (!self.window_[k].used) continue;
         typename Window::State::Step d;
-        for (int c = 0; c < Layout::dim; ++c) d[c] = S(self.step_[k * Layout::dim + c]);
+        for (int c = 0; c < Layout::dim; ++c) d[c] = S(self.equations_.step[k * Layout::dim + c]);
         self.window_.state(k).add(d);
       }
       landmarks.for_each_with(self.terms_, [](auto& store, auto& terms) { terms.step(store); });
@@ -265,41 +251,7 @@ class WindowBackend {
 
   void linearize_views(const SE3<S>& T_body_cam) {
     views_.update(window_, T_body_cam);
-    views_.set_transports(window_, pairs_);
-  }
-
-  /// The order of elimination: velocities and biases from the newest to the oldest, each of which is linked to the next
-  /// one alone, then the poses. The newest pose is last: its covariance is the end of the factor.
-  void order_parameters() {
-    std::array<int, K> slots;  // oldest first, those that are free before all
-    for (int k = 0; k < K; ++k) slots[k] = k;
-    const auto age = [this](int k) { return window_[k].used ? std::int64_t(window_[k].sequence) : -1; };
-    std::sort(slots.begin(), slots.end(), [&](int a, int b) { return age(a) < age(b); });
-    typename Equations::Order order;
-    int n = 0;
-    for (int k = K - 1; k >= 0; --k) {
-      for (int c = state::Pose::dim; c < Layout::dim; ++c) order[n++] = std::int16_t(slots[k] * Layout::dim + c);
-    }
-    for (const int slot : slots) {
-      for (int c = 0; c < state::Pose::dim; ++c) order[n++] = std::int16_t(slot * Layout::dim + c);
-    }
-    equations_.set_order(order);
-  }
-
-  /// The prior, the rows of the links, and an identity for every parameter that nothing speaks of.
-  void build_equations() {
-    prior_.begin(window_, equations_);
-    for (int k = 0; k < K; ++k) {
-      const int first = !window_[k].used ? 0 : links_.active() ? Layout::dim : state::Pose::dim;
-      if (first == Layout::dim) continue;
-      Mat<double, Layout::dim, Layout::dim> H;
-      H.setZero();
-      for (int c = first; c < Layout::dim; ++c) H(c, c) = 1;
-      equations_.add_block(k, k, H);
-    }
-    links_.for_each_row(window_, -1, [&](int i, const auto& J_i, int j, const auto& J_j, const auto& r) {
-      equations_.add(i, J_i, j, J_j, r, 1.0);
-    });
+    views_.set_transports(window_, equations_.pairs);
   }
 
   /// A prior on one frame alone.
@@ -318,9 +270,7 @@ class WindowBackend {
   [[no_unique_address]] Links links_;
   WindowViews<S, K> views_;
   PriorOfAll prior_;
-  Equations equations_;
-  Pairs pairs_;
-  typename Equations::Vector step_;
+  WindowEquations<Window> equations_;
   AllTerms terms_;
 };
 

@@ -41,8 +41,10 @@ class Beginning {
     estimate.keyframe = false;
     report_.features = odometry.seen_count();
     const int usable = is_complete && !Start::needs_second_view ? odometry.tracked_count() : report_.features;
-    if (usable < odometry.options.recovery.min_landmarks) {
-      wait(odometry, HealthReason::few_features, InitStage::few_features);
+    const int needed = odometry.options.recovery.min_landmarks;
+    if (usable < needed) {
+      const bool shows_enough = report_.features >= needed;
+      wait(odometry, shows_enough ? HealthReason::no_depth : HealthReason::few_features, InitStage::few_features);
       return;
     }
     first_view_ns_ = view.t_ns;

@@ -88,10 +88,10 @@ class Estimator {
     core_.track(view, T);
     timing_.track = TimeSource::now() - begin;
     Covariance covariance;
-    const bool found = core_.find_pose(view, predicted, T, covariance);
+    const HealthReason lacks = core_.find_pose(view, predicted, T, covariance);
     timing_.estimate = TimeSource::now() - begin - timing_.track;
-    if (!found) {
-      recover(view, predicted.state);
+    if (lacks != HealthReason::none) {
+      recover(view, predicted.state, core_.seen_count() < core_.options.pose.min_inliers ? HealthReason::few_features : lacks);
     } else {
       const State x = core_.motion.update(predicted.state, T, view);
       if (core_.motion.ties_frames()) {
@@ -110,7 +110,7 @@ class Estimator {
 
   /// The images do not say where the frame is: the IMU bridges them, or the next ones are tried against the last good
   /// one; then all begins anew.
-  void recover(const View<Sensors>& view, const State& predicted) {
+  void recover(const View<Sensors>& view, const State& predicted, HealthReason lacks) {
     core_.motion.lose();
     if (core_.motion.carries_on()) return coast(view, predicted);
     ++lost_frames_;
@@ -119,7 +119,7 @@ class Estimator {
       core_.estimate.t_ns = view.t_ns;
       core_.estimate.keyframe = false;
       core_.estimate.tracked = 0;
-      core_.set_health(HealthState::lost, HealthReason::few_inliers);
+      core_.set_health(HealthState::lost, lacks);
       return;
     }
     if (latest().health.state != HealthState::initializing) ++core_.estimate.resets;

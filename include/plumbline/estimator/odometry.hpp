@@ -111,17 +111,20 @@ class Odometry {
   }
 
   /// The pose alone, again without the outliers that it found, then with every landmark looked for again where it sees
-  /// them. False when it is not determined.
-  bool find_pose(const View<Sensors>& view, const Predicted& predicted, SE3<S>& T, Covariance& covariance) {
+  /// them. Returns what it lacks, `none` when it is determined.
+  HealthReason find_pose(const View<Sensors>& view, const Predicted& predicted, SE3<S>& T, Covariance& covariance) {
     const auto refine = [&] {
       return pose_.refine(rig, view.T_body_cam, landmarks, window(), predicted.state.T_world_body, predicted.prior, T,
                           covariance);
     };
-    if (!refine() || !refine()) return false;
-    front_ends.refine(view, window(), landmarks, T);
-    if (!refine()) return false;
-    find_readout(view, T);
-    return true;
+    HealthReason lacks = refine();
+    if (lacks == HealthReason::none) lacks = refine();
+    if (lacks == HealthReason::none) {
+      front_ends.refine(view, window(), landmarks, T);
+      lacks = refine();
+    }
+    if (lacks == HealthReason::none) find_readout(view, T);
+    return lacks;
   }
 
   void turn_shutter(View<Sensors>& view) const {

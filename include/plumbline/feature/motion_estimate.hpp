@@ -9,6 +9,7 @@
 #include "plumbline/residual/world_point.hpp"
 #include "plumbline/sensor/rig.hpp"
 #include "plumbline/solver/gauss_newton.hpp"
+#include "plumbline/state/health.hpp"
 #include "plumbline/state/pose_prior.hpp"
 
 namespace plumbline {
@@ -31,8 +32,8 @@ class MotionEstimate {
   const MotionOptions& options() const { return options_; }
 
   /// Moves T, from which the landmarks in sight are far or near, to where they agree, and takes those that do not out of
-  /// the frame. `prior` is about T_predicted. False when the pose is not determined.
-  bool refine(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks, const auto& window,
+  /// the frame. `prior` is about T_predicted. `none` when all is well, else what the pose lacks.
+  HealthReason refine(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks, const auto& window,
               const SE3<S>& T_predicted, const PosePrior<S>& prior, SE3<S>& T, Covariance& covariance) {
     landmarks.for_each_with(terms_, [&](auto& store, auto& terms) { terms.collect(store, window, T_body_cam); });
     DenseNormalEquations<S, dim> system;
@@ -41,7 +42,7 @@ class MotionEstimate {
       accumulate(rig, BodyView<S>(T, T_body_cam), landmarks, system);
       if (prior.valid) add(prior, T_predicted, T, system);
       Vec<S, dim> d;
-      if (!system.solve(d)) return false;
+      if (!system.solve(d)) return HealthReason::unconstrained;
       T = plus(T, d);
       if (d.norm() < S(options_.step_tolerance)) break;
     }
@@ -50,7 +51,8 @@ class MotionEstimate {
     landmarks.for_each_with(terms_, [&](auto& store, auto& terms) {
       inliers += terms.gate(rig, store, body, S(options_.chi2_gate));
     });
-    return inliers >= options_.min_inliers && system.covariance(covariance) && T.is_finite();
+    if (inliers < options_.min_inliers) return HealthReason::few_inliers;
+    return system.covariance(covariance) && T.is_finite() ? HealthReason::none : HealthReason::unconstrained;
   }
 
   /// Adds the rows of all that took part in the last `refine`, at a pose.

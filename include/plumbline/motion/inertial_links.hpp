@@ -12,6 +12,7 @@
 #include "plumbline/imu/preintegration.hpp"
 #include "plumbline/residual/inertial.hpp"
 #include "plumbline/residual/zero_motion.hpp"
+#include "plumbline/state/estimated.hpp"
 #include "plumbline/state/layout.hpp"
 
 namespace plumbline {
