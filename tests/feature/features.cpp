@@ -5,6 +5,7 @@
 
 #include "catch.hpp"
 #include "plumbline/camera/pinhole.hpp"
+#include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"
 #include "plumbline/sensor/rgbd.hpp"
 
@@ -14,40 +15,64 @@ namespace {
 
 template <int N>
 struct Counter {
-  using Options = int;
   explicit Counter(int start) : value(start) {}
-  Counter(const Counter&) = delete;  // a map is built where it stays
+  Counter(const Counter&) = delete;  // a store is built where it stays
   int value;
 };
-using Two = FeatureMaps<Counter<0>, Counter<1>>;
+using Three = LandmarkSet<Counter<0>, Counter<1>, Counter<2>>;
 
-template <class Map>
+template <class Store>
 struct Terms {
   int value = 0;
 };
 
 }  // namespace
 
-TEST_CASE("features: each map has its options, and all are visited in order") {
-  Two maps(Two::Options{3, 40});
-  REQUIRE(maps.get<Counter<0>>().value == 3);
-  REQUIRE(maps.get<Counter<1>>().value == 40);
+TEST_CASE("features: each store has its options, and all are visited in order") {
+  Three stores(3, 40, 500);
+  REQUIRE(stores.get<0>().value == 3);
+  REQUIRE(stores.get<2>().value == 500);
   int seen = 0;
-  maps.for_each([&](auto& map) { seen = 100 * seen + map.value++; });
-  REQUIRE(seen == 340);
-  const Two& read_only = maps;
-  REQUIRE(read_only.sum([](const auto& map) { return map.value; }) == 45);
-  static_assert(std::is_same_v<Two::TupleOf<Terms>, std::tuple<Terms<Counter<0>>, Terms<Counter<1>>>>);
+  stores.for_each([&](auto& store) { seen = 10 * seen + store.value++; });
+  REQUIRE(seen == 300 + 400 + 500);
+  const Three& read_only = stores;
+  REQUIRE(read_only.sum([](const auto& store) { return store.value; }) == 546);
+  int order = 0;
+  Three::for_each_index([&]<std::size_t I>() { order = 10 * order + int(I); });
+  REQUIRE(order == 12);
 }
 
-TEST_CASE("features: kinds become the maps of a rig, their capacities part of the type") {
-  using Sensors = Rig<Rgbd<Pinhole<float>>>;
-  using Maps = Features<Points<50>, Points<20>>::Maps<Sensors, 4>;
-  static_assert(std::is_same_v<Maps, FeatureMaps<PointMap<Sensors, 50, 4>, PointMap<Sensors, 20, 4>>>);
-  static_assert(PointMap<Sensors, 20, 4>::Landmarks::capacity() == 20);
-  Maps::Options options;
-  std::get<0>(options).target_count = 7;
-  const Maps maps(options);
-  REQUIRE(maps.get<PointMap<Sensors, 50, 4>>().options().target_count == 7);
-  REQUIRE(maps.get<PointMap<Sensors, 20, 4>>().options().target_count == PointOptions{}.target_count);
+TEST_CASE("features: parts belong to the stores by place") {
+  Three stores(3, 40, 500);
+  std::tuple<Terms<Counter<0>>, Terms<Counter<1>>, Terms<Counter<2>>> parts;
+  STATIC_REQUIRE(std::is_same_v<Three::TupleOf<Terms>, decltype(parts)>);
+  stores.for_each_with(parts, [](auto& store, auto& part) { part.value = store.value + 1; });
+  REQUIRE(std::get<1>(parts).value == 41);
+  int sum = 0;
+  const Three& read_only = stores;
+  read_only.for_each_with(parts, [&](const auto& store, const auto& part) { sum += part.value - store.value; });
+  REQUIRE(sum == 3);
+}
+
+TEST_CASE("features: a kind reads those named before it") {
+  Three stores(3, 40, 500);
+  STATIC_REQUIRE(std::is_same_v<decltype(stores.before<2>()), std::tuple<const Counter<0>&, const Counter<1>&>>);
+  STATIC_REQUIRE(std::tuple_size_v<decltype(stores.before<0>())> == 0);
+  const auto before = stores.before<2>();
+  REQUIRE(&std::get<1>(before) == &stores.get<1>());
+}
+
+TEST_CASE("features: entries become the stores of a rig, their capacities part of the type") {
+  using Sensors = Rig<Rgbd<Pinhole<float>, 64 * 64>>;
+  using Set = Features<Points<50>, Lines<20>, Points<10>>;
+  using Landmarks = Set::Landmarks<Sensors, 4>;
+  STATIC_REQUIRE(std::is_same_v<Set::StoreOf<Lines<20>, Sensors, 4>, LandmarkStore<LineKind<Sensors>, 20, 4>>);
+  STATIC_REQUIRE(
+      std::is_same_v<Landmarks,
+                     LandmarkSet<LandmarkStore<PointKind<Sensors>, 50, 4>, LandmarkStore<LineKind<Sensors>, 20, 4>,
+                                 LandmarkStore<PointKind<Sensors>, 10, 4>>>);
+  const StoreOptions options;
+  const Landmarks landmarks(options, options, options);
+  REQUIRE(landmarks.sum([](const auto& store) { return store.capacity; }) == 80);
+  REQUIRE(landmarks.sum([](const auto& store) { return store.seen_count(); }) == 0);
 }

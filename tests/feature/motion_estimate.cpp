@@ -1,0 +1,139 @@
+// The pose of one frame from points and lines together.
+#include "plumbline/feature/motion_estimate.hpp"
+
+#include <limits>
+#include <memory>
+#include <type_traits>
+
+#include "catch.hpp"
+#include "feature/seen_lines.hpp"
+#include "feature/seen_points.hpp"
+#include "plumbline/sensor/mono.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+template <class S>
+struct Scene {
+  using Sensors = Rig<Rgbd<Pinhole<S>, 64 * 64>>;
+  using Points = test::SeenPoints<S, Sensors>;
+  using Lines = test::SeenLines<S, Sensors>;
+  using Landmarks = LandmarkSet<typename Points::Store, typename Lines::Store>;
+  using Estimate = MotionEstimate<Sensors, Landmarks>;
+  static constexpr int latest = Points::used - 1;
+
+  Points points;
+  std::unique_ptr<Landmarks> landmarks = std::make_unique<Landmarks>(StoreOptions{}, StoreOptions{});
+  std::unique_ptr<Estimate> estimate;
+  SE3<S> T_true, T_body_cam, T;
+  PosePrior<S> prior;
+  typename Estimate::Covariance covariance;
+
+  /// Seen from the last keyframe of both; the estimate begins off its pose.
+  Scene(int point_count, int line_count, double noise_scale, const MotionOptions& options = {})
+      : points(point_count, noise_scale), estimate(std::make_unique<Estimate>(options)) {
+    const Lines lines(line_count, noise_scale);
+    landmarks->template get<0>().landmarks() = points.store->landmarks();
+    landmarks->template get<1>().landmarks() = lines.store->landmarks();
+    T_true = points.window.T_world_body(latest);
+    T_body_cam = points.T_body_cam.template cast<S>();
+    T = off(1);
+  }
+  /// The true pose, so many times 5 mm and 0.2 degrees off on each axis.
+  SE3<S> off(double scale) const {
+    Vec<double, 6> d;
+    d << 4e-3, -4e-3, 4e-3, 5e-3, -5e-3, 5e-3;
+    return plus(T_true, Vec<S, 6>((scale * d).cast<S>()));
+  }
+  HealthReason refine() {
+    return estimate->refine(points.rig, T_body_cam, *landmarks, points.window, off(1), prior, T, covariance);
+  }
+  double error() const { return double(minus(T, T_true).norm()); }
+};
+
+template <class S>
+constexpr double tolerance = std::is_same_v<S, float> ? 3e-5 : 1e-6;  // the claimed sigmas weigh, the errors are none
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("motion_estimate: exact points and lines, alone or together, give the exact pose", "", float,
+                   double) {
+  using S = TestType;
+  const auto [point_count, line_count] = GENERATE(std::pair{30, 0}, std::pair{0, 12}, std::pair{30, 12});
+  Scene<S> scene(point_count, line_count, 0);
+  CAPTURE(point_count, line_count);
+  REQUIRE(scene.error() > 5e-3);
+  REQUIRE(scene.refine() == HealthReason::none);
+  REQUIRE(scene.error() < tolerance<S>);
+  REQUIRE(scene.covariance.diagonal().minCoeff() > 0);
+  REQUIRE(scene.landmarks->sum([](const auto& store) { return store.seen_count(); }) == point_count + line_count);
+}
+
+TEST_CASE("motion_estimate: more landmarks leave less doubt") {
+  const auto trace = [](int points, int lines) {
+    Scene<double> scene(points, lines, 0);
+    REQUIRE(scene.refine() == HealthReason::none);
+    return scene.covariance.trace();
+  };
+  const double few = trace(12, 0), more = trace(30, 0), all = trace(30, 12);
+  REQUIRE(more < few);
+  REQUIRE(all < more);
+}
+
+TEMPLATE_TEST_CASE("motion_estimate: what does not fit is taken out of the frame, and then the pose is right", "",
+                   float, double) {
+  using S = TestType;
+  Scene<S> scene(30, 12, 0);
+  auto& points = scene.landmarks->template get<0>();
+  for (std::size_t i = 0; i < 30; i += 6) points.landmarks()[i].current.uv += Vec<float, 2>(25, -15);
+  REQUIRE(scene.refine() == HealthReason::none);
+  REQUIRE(points.rejected().size() == 5);
+  for (std::size_t i = 0; i < 30; i += 6) REQUIRE_FALSE(points.landmarks()[i].current.valid);
+  REQUIRE(scene.refine() == HealthReason::none);
+  REQUIRE(scene.error() < tolerance<S>);
+}
+
+TEST_CASE("motion_estimate: a prior holds where it is sure, and yields where it is not") {
+  Scene<double> scene(30, 0, 0);
+  scene.prior.valid = true;
+  scene.prior.sigma.setConstant(1e-7);
+  REQUIRE(scene.refine() == HealthReason::none);
+  REQUIRE(minus(scene.T, scene.off(1)).norm() < 1e-4);
+  scene.prior.sigma.setConstant(10);
+  REQUIRE(scene.refine() == HealthReason::none);
+  REQUIRE(scene.error() < 1e-5);
+
+  Scene<double> blind(0, 0, 0, MotionOptions{.min_inliers = 0});  // the prior alone
+  blind.prior.valid = true;
+  blind.prior.sigma << 0.1, 0.2, 0.3, 1, 2, 3;
+  blind.T = blind.off(3);
+  REQUIRE(blind.refine() == HealthReason::none);
+  REQUIRE(minus(blind.T, blind.off(1)).norm() < 1e-6);
+  REQUIRE((blind.covariance.diagonal().cwiseSqrt() - blind.prior.sigma).norm() < 1e-3);
+}
+
+TEST_CASE("motion_estimate: says what a pose lacks") {
+  Scene<double> nothing(0, 0, 0);
+  REQUIRE(nothing.refine() == HealthReason::unconstrained);
+  Scene<double> few(6, 0, 0);
+  REQUIRE(few.refine() == HealthReason::few_inliers);
+  Scene<double> enough(6, 0, 0, MotionOptions{.min_inliers = 4});
+  REQUIRE(enough.refine() == HealthReason::none);
+  Scene<double> broken(30, 0, 0);
+  broken.T = SE3<double>(SO3<double>(), Vec<double, 3>::Constant(std::numeric_limits<double>::quiet_NaN()));
+  REQUIRE(broken.refine() != HealthReason::none);
+}
+
+TEMPLATE_TEST_CASE("motion_estimate: rows of pose and readout at a pose, of all that took part", "", float, double) {
+  using S = TestType;
+  Scene<S> scene(20, 8, 1);
+  REQUIRE(scene.refine() == HealthReason::none);
+  const BodyView<S> body(scene.T, scene.T_body_cam);
+  DenseNormalEquations<S, 6> pose;
+  DenseNormalEquations<S, 7> both;
+  scene.estimate->accumulate(scene.points.rig, body, *scene.landmarks, pose);
+  scene.estimate->accumulate(scene.points.rig, body, *scene.landmarks, both);
+  REQUIRE((both.H().template topLeftCorner<6, 6>() - pose.H()).norm() <= S(1e-6) * pose.H().norm());
+  REQUIRE(both.H()(6, 6) > 0);  // the lines have slopes
+}
