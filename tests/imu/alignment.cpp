@@ -111,8 +111,7 @@ TEST_CASE("alignment: says what is missing") {
   {
     const test::SimulatedAlignment<double> s(1, 1, zero, zero);
     REQUIRE(align_inertial<10>(s.span(), SE3<double>()).outcome == AlignmentOutcome::rotations_disagree);
-    REQUIRE(align_inertial<10>(s.span(), s.T_body_cam, {}, 20).outcome ==
-            AlignmentOutcome::gravity_implausible);
+    REQUIRE(align_inertial<10>(s.span(), s.T_body_cam, {}, 20).outcome == AlignmentOutcome::gravity_implausible);
     REQUIRE(align_inertial<10>(s.span(), s.T_body_cam, {.max_gravity_sigma = 1e-9}).outcome ==
             AlignmentOutcome::gravity_uncertain);
     REQUIRE(align_inertial<10>(s.span(), s.T_body_cam, {.max_scale_sigma = 1e-9}).outcome ==

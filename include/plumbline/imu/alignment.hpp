@@ -35,7 +35,7 @@
 namespace plumbline {
 
 struct InertialAlignmentOptions {
-  bool metric = false;  ///< translations of the camera poses are in metres
+  bool metric = false;            ///< translations of the camera poses are in metres
   double rotation_sigma = 2e-3;   ///< of a camera pose [rad]
   double position_sigma = 2e-3;   ///< of a camera pose, in units of the poses
   double accel_bias_sigma = 0.1;  ///< prior [m/s^2]

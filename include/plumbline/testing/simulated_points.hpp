@@ -54,8 +54,8 @@ struct SimulatedPoints {
     return out;
   }
 
-  /// Takes the place of a front end of points: what the keyframe in `slot`, the latest frame, sees of the landmarks that
-  /// are there, whose ids are indices of points, and new landmarks for all other points as long as there is room.
+  /// Takes the place of a front end of points: what the keyframe in `slot`, the latest frame, sees of the landmarks
+  /// that are there, whose ids are indices of points, and new landmarks for all other points as long as there is room.
   template <class Store>
   void observe(Store& store, const SE3<double>& T_world_cam, int slot, Gaussian& noise) const {
     using S = typename Store::S;
