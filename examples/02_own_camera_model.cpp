@@ -9,9 +9,7 @@
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/points.hpp"
 #include "plumbline/sensor/rgbd.hpp"
-#include "plumbline/testing/rig.hpp"
-#include "plumbline/testing/scenes.hpp"
-#include "plumbline/testing/simulated_camera.hpp"
+#include "plumbline/testing/room_run.hpp"
 
 namespace pl = plumbline;
 
@@ -62,24 +60,7 @@ int main() {
   sensors.vision.height = height;
   const auto vo = std::make_unique<Vo>(sensors);
 
-  // The same model renders the room.
-  const auto trajectory = *pl::testing::Trajectory::for_scene("room");
-  const pl::SE3<double> T_body_cam = pl::testing::simulated_T_body_camera();
-  pl::testing::SimulatedCamera simulated(
-      pl::testing::Renderer(*pl::testing::make_scene("room"), sensors.vision.camera, width, height), T_body_cam, {}, 1);
-
-  const auto T_world_cam = [&](double t) { return trajectory.at(t).T_world_body * T_body_cam; };
-  const double start_s = 2, rate_hz = 20;
-  double path_m = 0, error_m = 0;
-  for (int i = 0; i < 40; ++i) {
-    const double t = start_s + i / rate_hz;
-    const auto frame = simulated.frame(trajectory, t, std::uint64_t(i));
-    const auto estimate = vo->add_frame({pl::TimeNs(t * 1e9), frame.gray.view(), frame.depth.view()});
-    if (!estimate || estimate->health.state != pl::HealthState::tracking) return std::puts("not tracking"), 1;
-    const pl::SE3<double> truth = T_world_cam(start_s).inverse() * T_world_cam(t);  // the first camera is the world
-    error_m = (estimate->T_world_body.p() - truth.p()).norm();
-    if (i > 0) path_m += (T_world_cam(t).p() - T_world_cam(t - 1 / rate_hz).p()).norm();
-  }
-  std::printf("%.2f m travelled, %.1f cm off at the end\n", path_m, 100 * error_m);
-  return error_m < 0.03 * path_m ? 0 : 1;
+  const pl::testing::RoomRun run = pl::testing::run_in_room(*vo);  // the same model renders the room
+  std::printf("%.2f m travelled, at most %.1f cm off\n", run.path_m, 100 * run.error_m);
+  return run.is_within(0.03) ? 0 : 1;
 }

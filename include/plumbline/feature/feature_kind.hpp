@@ -31,7 +31,8 @@ concept KindOfLandmark = std::floating_point<typename K::Scalar> && requires {
 
 /// Lengths, motions and what becomes of a landmark.
 template <class K>
-concept HasGeometry = requires(typename K::Geometry& geometry, const typename K::Observation& seen, typename K::Scalar s) {
+concept HasGeometry = requires(typename K::Geometry& geometry, const typename K::Observation& seen,
+                               typename K::Scalar s) {
   { K::middle(geometry) } -> std::convertible_to<Vec<typename K::Scalar, 3>>;  // in the anchor's camera [m]
   { K::inverse_range(geometry) } -> std::convertible_to<typename K::Scalar>;   // [1/m]
   { K::motion_px(seen, seen) } -> std::convertible_to<double>;                 // from one frame to another
@@ -45,8 +46,8 @@ concept HasGeometry = requires(typename K::Geometry& geometry, const typename K:
 template <class K>
 concept HasMotionRows = requires {
   typename K::InWorld;
-  typename K::Motion;  // the layout that the rows refer to
-  { K::depth_dim } -> std::convertible_to<int>;
+  typename K::Motion;                            // the layout that the rows refer to
+  { K::depth_dim } -> std::convertible_to<int>;  // rows of a measured depth; 0: there is none, and no `depth_rows`
 };
 
 template <class K>

@@ -28,8 +28,9 @@ class MotionTerms {
     for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
       const auto& landmark = store.landmarks()[i];
       if (!landmark.current.valid || !landmark.located) continue;
-      items_.push_back({static_cast<int>(i), Kind::in_world(landmark.geometry, landmark.seen_by_anchor(), landmark.current,
-                                                            window.T_world_body(landmark.anchor) * T_body_cam)});
+      items_.push_back(
+          {static_cast<int>(i), Kind::in_world(landmark.geometry, landmark.seen_by_anchor(), landmark.current,
+                                               window.T_world_body(landmark.anchor) * T_body_cam)});
     }
   }
 
@@ -40,7 +41,9 @@ class MotionTerms {
   void accumulate(const Sensors& rig, const BodyView<S>& view, DenseNormalEquations<S, Dim>& system) const {
     for (const Item& item : items_) {
       add(Kind::pixel_rows(rig, view, item.landmark), Kind::pixel_loss, system);
-      if (Kind::has_depth(item.landmark)) add(Kind::depth_rows(view, item.landmark), Kind::depth_loss, system);
+      if constexpr (Kind::depth_dim > 0) {
+        if (Kind::has_depth(item.landmark)) add(Kind::depth_rows(view, item.landmark), Kind::depth_loss, system);
+      }
     }
   }
 

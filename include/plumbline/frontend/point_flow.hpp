@@ -47,23 +47,11 @@ class PointFlow {
 
   void follow(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_predicted) {
     const SE3<S> T_cam_world = (T_world_predicted * view.T_body_cam).inverse();
-    const SO3<S> R_cam_previous = T_cam_world.rotation() * (view.T_world_previous * view.T_body_cam).rotation();
     for (Landmark& landmark : store.landmarks()) {
       if (!landmark.current.valid) continue;
-      const Vec<float, 2> pixel = landmark.current.pixel;
-      Vec<S, 3> p_cam;
-      if (landmark.located) {
-        p_cam = T_cam_world * p_world(landmark, window, view.T_body_cam);
-      } else {
-        p_cam = R_cam_previous * view.camera().unproject(landmark.current.uv.template cast<S>()).bearing;
-      }
-      const Projection<S> predicted = view.camera().project(p_cam);
-      Vec<float, 2> guess = pixel;
-      if (predicted.valid) {
-        const Vec<S, 2> seen = view.shutter.seen(predicted.uv);
-        if (inside(view, seen, 0)) guess = seen.template cast<float>();
-      }
-      const FlowResult flow = track_point_checked(view.previous, view.current, pixel, guess, options_.flow);
+      const Vec<float, 2> guess = expected(view, window, landmark, T_cam_world);
+      const FlowResult flow =
+          track_point_checked(view.previous, view.current, landmark.current.pixel, guess, options_.flow);
       observe(view, landmark, flow.valid, flow.uv);
     }
   }
@@ -148,8 +136,7 @@ class PointFlow {
       if (landmark.located || !landmark.current.valid) continue;
       const Unprojection<S> ray = view.camera().unproject(landmark.current.uv.template cast<S>());
       if (!ray.valid) continue;
-      locate_from_depth(landmark, ray.bearing,
-                        T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam));
+      locate_from_depth(landmark, ray.bearing, T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam));
     }
     in_sight_.clear();
     for (const Landmark& landmark : store.landmarks()) {
@@ -186,16 +173,25 @@ class PointFlow {
     }
   }
 
- private:
-  static constexpr float border_px = 8;  ///< half an alignment patch and the interpolation's neighbour
+  // For front ends of one's own that follow points in another way.
 
-  static bool inside(const View<Sensors>& view, const Vec<S, 2>& uv, float border) {
-    return view.current.level(0).contains(float(uv.x()), float(uv.y()), border);
-  }
-  static Vec<S, 3> p_world(const Landmark& landmark, const auto& window, const SE3<S>& T_body_cam) {
-    return window.T_world_body(landmark.anchor) * (T_body_cam * Kind::middle(landmark.geometry));
+  /// Where the current image should show a landmark that the previous one shows; the same place where that is nowhere.
+  static Vec<float, 2> expected(const View<Sensors>& view, const auto& window, const Landmark& landmark,
+                                const SE3<S>& T_cam_world) {
+    Vec<S, 3> p_cam;
+    if (landmark.located) {
+      p_cam = T_cam_world * p_world(landmark, window, view.T_body_cam);
+    } else {
+      const SO3<S> R_cam_previous = T_cam_world.rotation() * (view.T_world_previous * view.T_body_cam).rotation();
+      p_cam = R_cam_previous * view.camera().unproject(landmark.current.uv.template cast<S>()).bearing;
+    }
+    const Projection<S> predicted = view.camera().project(p_cam);
+    if (!predicted.valid) return landmark.current.pixel;
+    const Vec<S, 2> seen = view.shutter.seen(predicted.uv);
+    return inside(view, seen, 0) ? Vec<float, 2>(seen.template cast<float>()) : landmark.current.pixel;
   }
 
+  /// The current image shows the landmark at `pixel`, or does not.
   void observe(const View<Sensors>& view, Landmark& landmark, bool valid, const Vec<float, 2>& pixel) const {
     typename Kind::Observation& seen = landmark.current;
     seen.valid = valid;
@@ -210,6 +206,16 @@ class PointFlow {
     seen.uv_slope.set(still.uv_slope.template cast<float>());
     seen.L = Mat<float, 2, 2>::Identity() / float(options_.sigma_flow_px);
     if constexpr (Sensors::has_depth) seen.depth.set(view.rig.vision.depth.at(view.depth, pixel));
+  }
+
+ private:
+  static constexpr float border_px = 8;  ///< half an alignment patch and the interpolation's neighbour
+
+  static bool inside(const View<Sensors>& view, const Vec<S, 2>& uv, float border) {
+    return view.current.level(0).contains(float(uv.x()), float(uv.y()), border);
+  }
+  static Vec<S, 3> p_world(const Landmark& landmark, const auto& window, const SE3<S>& T_body_cam) {
+    return window.T_world_body(landmark.anchor) * (T_body_cam * Kind::middle(landmark.geometry));
   }
 
   /// The inverse range of a landmark from the depth measured along `bearing` in the latest frame.
