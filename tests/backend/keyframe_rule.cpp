@@ -18,9 +18,9 @@ constexpr KeyframeOptions of_mono = default_keyframes<Rig<Mono<Camera>>>();
 constexpr KeyframeOptions of_mono_imu = default_keyframes<Rig<Mono<Camera>, Imu>>();
 constexpr KeyframeOptions of_rgbd = default_keyframes<Rig<Rgbd<Camera>>>();
 constexpr KeyframeOptions of_rgbd_imu = default_keyframes<Rig<Rgbd<Camera>, Imu>>();
-static_assert(of_mono.max_motion_px < of_rgbd.max_motion_px && of_mono.min_tracked_ratio > of_rgbd.min_tracked_ratio);
-static_assert(of_mono_imu.max_motion_px == of_mono.max_motion_px);
-static_assert(of_rgbd_imu.max_motion_px < of_rgbd.max_motion_px);
+static_assert(of_mono.max_motion_rad < of_rgbd.max_motion_rad && of_mono.min_tracked_ratio > of_rgbd.min_tracked_ratio);
+static_assert(of_mono_imu.max_motion_rad == of_mono.max_motion_rad);
+static_assert(of_rgbd_imu.max_motion_rad < of_rgbd.max_motion_rad);
 
 template <class S>
 using Window = FrameWindow<S, VisualLayout, 6>;
@@ -37,11 +37,11 @@ Window<S> side_by_side(std::initializer_list<double> x) {
 }  // namespace
 
 TEST_CASE("keyframe_rule: few landmarks are left, or they moved far") {
-  const KeyframeRule rule(KeyframeOptions{.min_tracked_ratio = 0.5, .max_motion_px = 80});
+  const KeyframeRule rule(KeyframeOptions{.min_tracked_ratio = 0.5, .max_motion_rad = 0.15});
   CHECK_FALSE(rule.is_keyframe(100, 100, 0));
-  CHECK_FALSE(rule.is_keyframe(50, 100, 80));
+  CHECK_FALSE(rule.is_keyframe(50, 100, 0.15));
   CHECK(rule.is_keyframe(49, 100, 0));
-  CHECK(rule.is_keyframe(100, 100, 80.1));
+  CHECK(rule.is_keyframe(100, 100, 0.151));
   CHECK_FALSE(rule.is_keyframe(120, 0, 0));  // none then: any landmark is more
 }
 

@@ -184,6 +184,26 @@ TEST_CASE("sliding_window: no measurement tells where the whole is, after whatev
   REQUIRE(run.retirements > 30);
 }
 
+TEST_CASE("sliding_window: a distance that defines the unit of length is known from then on, and nothing else") {
+  Run<double> run(7, 1, 0.05, 1e-6);
+  run.add_keyframes(2);
+  const auto& window = run.backend->window();
+  const Vec<double, 3> between = window.T_world_body(1).p() - window.T_world_body(0).p();
+  const Vec<double, 3> along = window.T_world_body(1).rotation().inverse() * Vec<double, 3>(between.normalized());
+  const auto sigma = [&](const Vec<double, 3>& direction) {
+    return std::sqrt(direction.dot(run.covariance().bottomRightCorner<3, 3>() * direction));
+  };
+  const Vec<double, 3> across = along.unitOrthogonal();
+  const double sigma_across = sigma(across), held = run.options.sigma_first_scale * between.norm();
+  REQUIRE(sigma(along) > 5 * held);
+  const double cost = run.summary.final_cost;
+  run.backend->hold_scale(0, 1);
+  run.summary = run.optimize();
+  CHECK(run.summary.initial_cost == Approx(cost).epsilon(1e-6));  // the distance is as it is
+  CHECK(sigma(along) == Approx(held).epsilon(0.05));
+  CHECK(sigma(across) > 0.5 * sigma_across);
+}
+
 TEST_CASE("sliding_window: the same input gives the same output to the last bit") {
   Run<float> a(2, 1), b(2, 1);
   for (int k = 0; k < 12; ++k) {

@@ -3,8 +3,10 @@
 #include "plumbline/backend/window_prior.hpp"
 
 #include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
 #include <limits>
-#include <type_traits>
+#include <tuple>
 
 #include "catch.hpp"
 #include "plumbline/solver/landmark_elimination.hpp"
@@ -42,10 +44,13 @@ struct Scene {
     }
   }
 
+  /// Numbers that are the same in float and double.
   template <class T, int Rows, int Columns>
   Mat<T, Rows, Columns> random() {
     Mat<T, Rows, Columns> out;
-    for (int c = 0; c < Columns; ++c) out.col(c) = noise.vector<Rows>().template cast<T>();
+    for (int c = 0; c < Columns; ++c) {
+      for (int k = 0; k < Rows; ++k) out(k, c) = T(std::round(1024 * noise()) / 1024);
+    }
     return out;
   }
   void insert(TimeNs t_ns) {
@@ -89,7 +94,7 @@ struct Scene {
   template <int Rows>
   void add_link(int i, int j) {
     const Mat<S, Rows, frame_dim> J_i = random<S, Rows, frame_dim>(), J_j = random<S, Rows, frame_dim>();
-    const Vec<S, Rows> r = noise.vector<Rows>().template cast<S>();
+    const Vec<S, Rows> r = random<S, Rows, 1>();
     prior.add_link(i, J_i, j, J_j, r);
     Dense J = Dense::Zero(Rows, dim);
     J.middleCols<frame_dim>(i * frame_dim) = J_i.template cast<double>();
@@ -107,7 +112,7 @@ struct Scene {
       if (!window[k].used || k == anchor) continue;
       const Mat<S, 3, pose_dim> J_p = random<S, 3, pose_dim>();
       const Mat<S, 3, Columns> J_k = random<S, 3, Columns>();
-      const Vec<S, 3> r_k = noise.vector<3>().template cast<S>();
+      const Vec<S, 3> r_k = random<S, 3, 1>();
       REQUIRE(landmark.template add<3>(k, J_p, J_k, r_k));
       const int n = int(J.rows());
       J.conservativeResize(n + 3, dim);
@@ -202,6 +207,34 @@ TEMPLATE_LIST_TEST_CASE("window_prior: a frame with its links and landmarks beco
     scene.move(0.1);
     scene.require_same();
   }
+}
+
+TEMPLATE_LIST_TEST_CASE("window_prior: one more row on two frames, which agree with it as they are", "", Cases) {
+  constexpr int frame_dim = TestType::frame_dim;
+  TestType scene(6);
+  for (int k = 0; k < slots; ++k) {
+    scene.insert(k);
+    if (k == 0) scene.template set<6>(0);
+    scene.move(0.1);
+  }
+  for (const int other : {2, 3}) {
+    const Mat<double, 1, frame_dim> J_i = scene.template random<double, 1, frame_dim>(),
+                                    J_j = scene.template random<double, 1, frame_dim>();
+    typename TestType::Dense J = TestType::Dense::Zero(1, TestType::dim);
+    J.template middleCols<frame_dim>(0) = J_i;
+    J.template middleCols<frame_dim>(other * frame_dim) = J_j;
+    const double before = scene.prior.cost(scene.window);
+    scene.prior.add(scene.window, 0, J_i, other, J_j);
+    scene.append(J, -J * scene.corrections());
+    CHECK(scene.prior.cost(scene.window) == Approx(before));
+    scene.require_same();
+    scene.move(0.1);
+    scene.require_same();
+  }
+  scene.prior.begin_retirement(scene.window);
+  scene.template add_link<15>(0, 1);
+  scene.retire(0);
+  scene.require_same();
 }
 
 TEMPLATE_LIST_TEST_CASE("window_prior: a freed slot is used again, by a frame that nothing is known of", "", Cases) {
