@@ -1,0 +1,117 @@
+// Motion of a camera alone.
+#include "plumbline/motion/constant_velocity.hpp"
+
+#include <type_traits>
+
+#include "catch.hpp"
+#include "motion/small_view.hpp"
+#include "plumbline/sensor/mono.hpp"
+#include "plumbline/sensor/rig.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+template <class S>
+struct Moving {
+  using Sensors = Rig<Mono<Pinhole<S>, 64 * 64>>;
+  static constexpr double tolerance = std::is_same_v<S, float> ? 1e-5 : 1e-12;
+
+  test::SmallView<Sensors> views;
+  ConstantVelocity<Sensors> motion{views.rig, {}};
+  SE3<S> T_body_cam;  // the camera is the body
+  PoseState<S> latest{SE3<S>(SO3<S>::exp({S(0.2), S(-0.1), S(0.4)}), Vec<S, 3>(1, 2, 3))};
+  Vec<S, 6> velocity;
+
+  Moving() { velocity << S(0.4), S(-0.2), S(0.1), S(0.5), S(-1), S(0.3); }
+
+  View<Sensors> view(S dt) const { return views.at(0, dt, latest.T_world_body, T_body_cam); }
+  /// One frame at the true place.
+  void see_next(S dt) {
+    const SE3<S> T = plus(latest.T_world_body, Vec<S, 6>(dt * velocity));
+    latest = motion.update(latest, T, view(dt));
+  }
+  SE3<S> predict(S dt, const test::SeenRotation<S>& seen = {}) {
+    return motion.predict(latest, view(dt), S(0), [&](const SO3<S>&) { return seen; }).state.T_world_body;
+  }
+};
+
+static_assert(std::is_empty_v<NoLinks> && !NoLinks::active());
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("constant_velocity: goes on as before, however long the next interval", "", float, double) {
+  using S = TestType;
+  Moving<S> moving;
+  CHECK(minus(moving.predict(S(0.05)), moving.latest.T_world_body).norm() == 0);  // nothing is known yet
+  moving.see_next(S(0.05));
+  for (const double dt : {0.02, 0.05, 0.2}) {
+    const Vec<S, 6> d = minus(moving.predict(S(dt)), moving.latest.T_world_body);
+    CHECK(double((d - S(dt) * moving.velocity).norm()) < Moving<S>::tolerance);
+    CHECK(double((moving.motion.angular_rate() - moving.velocity.template head<3>()).norm()) <
+          100 * Moving<S>::tolerance);
+  }
+}
+
+TEMPLATE_TEST_CASE("constant_velocity: long gaps are not bridged, and nothing is believed after a loss", "", float,
+                   double) {
+  using S = TestType;
+  Moving<S> moving;
+  moving.see_next(S(0.05));
+  const ConstantVelocityOptions options;
+  CHECK(minus(moving.predict(S(options.max_prediction_s + 0.01)), moving.latest.T_world_body).norm() == 0);
+  CHECK(minus(moving.predict(S(0.05)), moving.latest.T_world_body).norm() > S(0.01));
+  moving.motion.lose();
+  CHECK(minus(moving.predict(S(0.05)), moving.latest.T_world_body).norm() == 0);
+
+  moving.see_next(S(0.05));
+  const SE3<S> restarted = moving.motion.restart(moving.latest).T_world_body;
+  CHECK(minus(restarted, moving.latest.T_world_body).norm() == 0);
+  CHECK(minus(moving.predict(S(0.05)), moving.latest.T_world_body).norm() == 0);
+}
+
+TEMPLATE_TEST_CASE(
+    "constant_velocity: a rotation that the images show is believed instead, and asked for near the guess", "", float,
+    double) {
+  using S = TestType;
+  Moving<S> moving;
+  moving.see_next(S(0.05));
+  const S dt = S(0.1);
+  const SO3<S> R_cur_prev = SO3<S>::exp({S(0.1), S(0.2), S(-0.3)});
+  SO3<S> guess;
+  const SE3<S> T = moving.motion
+                       .predict(moving.latest, moving.view(dt), S(0),
+                                [&](const SO3<S>& from) {
+                                  guess = from;
+                                  return test::SeenRotation<S>{true, R_cur_prev};
+                                })
+                       .state.T_world_body;
+  const SE3<S> expected = plus(moving.latest.T_world_body, Vec<S, 6>(dt * moving.velocity));
+  const SO3<S> R_world_previous = moving.latest.T_world_body.rotation();
+  CHECK(double((T.p() - expected.p()).norm()) < Moving<S>::tolerance);
+  CHECK(double((T.R() - (R_world_previous * R_cur_prev.inverse()).matrix()).norm()) < Moving<S>::tolerance);
+  CHECK(double((guess.matrix() - (expected.rotation().inverse() * R_world_previous).matrix()).norm()) <
+        Moving<S>::tolerance);
+  CHECK(double((moving.motion.angular_rate() + R_cur_prev.log() / dt).norm()) < 100 * Moving<S>::tolerance);
+}
+
+TEST_CASE("constant_velocity: ties no frames, and has no opinion on what the images decide") {
+  Moving<double> moving;
+  const auto& motion = moving.motion;
+  CHECK_FALSE(motion.ties_frames());
+  CHECK_FALSE(motion.carries_on());
+  CHECK(motion.confirm_keyframe(0, 3, true));
+  CHECK_FALSE(motion.confirm_keyframe(0, 3, false));
+  CHECK_FALSE(motion.revise(moving.latest, moving.latest, 0.1));
+  CHECK(motion.doubt(NoLinks(0), 0) == HealthReason::none);
+  const Mat<double, 6, 6> covariance = 2 * Mat<double, 6, 6>::Identity();
+  CHECK(motion.covariance_grown(covariance) == covariance);
+  const auto predicted = moving.motion.predict(moving.latest, moving.view(0.1), 0,
+                                               [](const SO3<double>&) { return test::SeenRotation<double>{}; });
+  CHECK_FALSE(predicted.prior.valid);
+
+  NoLinks links(0);
+  links.insert(0, 0, {});
+  links.for_each_row(0, -1, [](auto&&...) { FAIL("there is no row"); });
+  CHECK(links.cost(0) == 0);
+}

@@ -1,0 +1,51 @@
+// What is a motion model, and what is none.
+#include "plumbline/motion/motion_model.hpp"
+
+#include <type_traits>
+
+#include "catch.hpp"
+#include "plumbline/camera/pinhole.hpp"
+#include "plumbline/motion/constant_velocity.hpp"
+#include "plumbline/motion/inertial.hpp"
+#include "plumbline/sensor/imu.hpp"
+#include "plumbline/sensor/mono.hpp"
+#include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/sensor/rig.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+template <class S>
+using Camera = Rig<Mono<Pinhole<S>>>;
+template <class S>
+using CameraAndImu = Rig<Rgbd<Pinhole<S>>, Imu>;
+
+static_assert(MotionModel<ConstantVelocity<Camera<float>>> && MotionModel<ConstantVelocity<Camera<double>>>);
+static_assert(MotionModel<Inertial<CameraAndImu<float>>> && MotionModel<Inertial<CameraAndImu<double>>>);
+static_assert(!MotionModel<Camera<float>> && !MotionModel<int>);
+
+/// Says where the next frame is, but not what ties it to others.
+struct Guess {
+  using S = float;
+  using State = PoseState<S>;
+  void begin_frame(TimeNs, const State*, S) {}
+  Vec<S, 3> angular_rate() const { return Vec<S, 3>::Zero(); }
+  bool carries_on() const { return false; }
+  State restart(const State& x) { return x; }
+  void lose() {}
+};
+static_assert(Predicts<Guess> && !Ties<Guess> && !MotionModel<Guess>);
+
+// What a model does not need its frames do not have.
+static_assert(std::is_same_v<ConstantVelocity<Camera<float>>::Layout, VisualLayout>);
+static_assert(std::is_same_v<Inertial<CameraAndImu<float>>::Layout, InertialLayout>);
+static_assert(std::is_empty_v<ConstantVelocity<Camera<float>>::Link>);
+
+}  // namespace
+
+TEST_CASE("motion_model: without a word about it there is no belief about a pose") {
+  const PosePrior<float> prior;
+  CHECK_FALSE(prior.valid);
+  CHECK(prior.sigma.norm() == 0);
+}
