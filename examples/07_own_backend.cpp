@@ -1,6 +1,6 @@
 // A backend of one's own: what estimates the keyframes and the landmarks that they see. This one leaves every keyframe
-// where its frame was found and improves the landmarks alone, of all kinds: less work than a window whose poses move. It
-// is given in place of SlidingWindow.
+// where its frame was found and improves the landmarks alone, of all kinds: less work than a window whose poses move.
+// It is given in place of SlidingWindow.
 #include <cmath>
 #include <cstdio>
 #include <memory>

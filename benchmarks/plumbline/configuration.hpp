@@ -17,7 +17,7 @@
 
 namespace pl = plumbline;
 
-inline constexpr std::size_t megapixel = 1280 * 800;  ///< the largest image
+inline constexpr std::size_t megapixel = 1280 * 800;                         ///< the largest image
 using MonoCamera = pl::Mono<pl::AnyCamera<double>, megapixel, pl::Rolling>;  // the calibration says how fast, if at all
 using RgbdCamera = pl::Rgbd<pl::AnyCamera<double>, megapixel>;
 

@@ -10,14 +10,14 @@
 #include "plumbline/feature/line_kind.hpp"
 #include "plumbline/residual/world_point.hpp"
 
-/// How far a landmark's observation is from where the pose has it: by the whitened rows of the estimate of one frame, with
-/// the covariances of both.
+/// How far a landmark's observation is from where the pose has it: by the whitened rows of the estimate of one frame,
+/// with the covariances of both.
 template <class Kind, class Sensors, class Landmark>
-std::optional<Innovation> innovation_of(const Sensors& rig, const plumbline::SE3<typename Sensors::Scalar>& T_world_anchor,
+std::optional<Innovation> innovation_of(const Sensors& rig,
+                                        const plumbline::SE3<typename Sensors::Scalar>& T_world_anchor,
                                         const plumbline::BodyView<typename Sensors::Scalar>& view,
                                         const Landmark& landmark) {
-  const auto in_world =
-      Kind::in_world(landmark.geometry, landmark.seen_by_anchor(), landmark.current, T_world_anchor);
+  const auto in_world = Kind::in_world(landmark.geometry, landmark.seen_by_anchor(), landmark.current, T_world_anchor);
   const auto rows = Kind::pixel_rows(rig, view, in_world);
   if (!rows.valid) return std::nullopt;
   return Innovation{Kind::error_px(rig, view, in_world), double(rows.r.norm())};
@@ -84,7 +84,8 @@ Inspection inspect(const Estimator& estimator, plumbline::TimeNs previous_ns) {
     for (const auto& landmark : store.landmarks()) {
       const bool just_found = out.estimate.keyframe && landmark.anchor == window.newest();  // where it was seen
       if (!has_pose || !landmark.current.valid || !landmark.located || just_found) continue;
-      const auto innovation = innovation_of<Kind>(rig, window.T_world_body(landmark.anchor) * T_body_cam, view, landmark);
+      const auto innovation =
+          innovation_of<Kind>(rig, window.T_world_body(landmark.anchor) * T_body_cam, view, landmark);
       if (innovation) features.innovations.push_back(*innovation);
     }
     out.features.push_back(std::move(features));

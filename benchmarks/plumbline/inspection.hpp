@@ -8,8 +8,8 @@
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/estimator/estimate.hpp"
-#include "plumbline/start/start_report.hpp"
 #include "plumbline/imu/imu_buffer.hpp"
+#include "plumbline/start/start_report.hpp"
 
 /// Where a frame shows a landmark [px]: from start to end of an edge; both are one place of a point.
 struct Sighting {

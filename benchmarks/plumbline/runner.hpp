@@ -14,10 +14,10 @@
 #include "plumbline/core/result.hpp"
 #include "plumbline/core/time.hpp"
 #include "plumbline/estimator/clock.hpp"
-#include "plumbline/state/health.hpp"
 #include "plumbline/imu/sample.hpp"
 #include "plumbline/io/calibration_data.hpp"
 #include "plumbline/lie/se3.hpp"
+#include "plumbline/state/health.hpp"
 
 struct FrameOutput {
   std::optional<plumbline::SE3<double>> T_world_body;  ///< none before initialization, and of a refused frame

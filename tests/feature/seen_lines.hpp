@@ -23,8 +23,8 @@ inline Mat<double, 2, 2> depth_covariance() {
   return covariance;
 }
 
-/// A segment with endpoints p, q [camera] as it is measured: `noise_scale` times its sigma off, and claiming that sigma.
-/// Of depth and slopes an Observation keeps what it has.
+/// A segment with endpoints p, q [camera] as it is measured: `noise_scale` times its sigma off, and claiming that
+/// sigma. Of depth and slopes an Observation keeps what it has.
 template <class Observation>
 Observation observe_segment(const Pinhole<double>& camera, const Vec<double, 3>& p, const Vec<double, 3>& q,
                             double noise_scale, testing::Gaussian& noise) {

@@ -22,15 +22,15 @@ concept HasFrames = requires(const B& backend) {
   typename B::Window;
   typename B::State;
   typename B::Options;
-  { backend.window().T_world_body(0) };
+  {backend.window().T_world_body(0)};
   { backend.window().latest() } -> std::convertible_to<typename B::State>;
 };
 
 template <class B>
-concept Backend = HasFrames<B> && requires(B& backend, const B& known, const typename B::Sensors& rig,
-                                           typename B::Landmarks& landmarks, const SE3<typename B::S>& T_body_cam,
-                                           const typename B::State& x, const typename B::Link& link, TimeNs t_ns,
-                                           Mat<typename B::S, state::Pose::dim, state::Pose::dim>& covariance) {
+concept Backend = HasFrames<B> &&
+    requires(B& backend, const B& known, const typename B::Sensors& rig, typename B::Landmarks& landmarks,
+             const SE3<typename B::S>& T_body_cam, const typename B::State& x, const typename B::Link& link,
+             TimeNs t_ns, Mat<typename B::S, state::Pose::dim, state::Pose::dim>& covariance) {
   { backend.start(t_ns, x) } -> std::same_as<int>;
   { backend.insert(t_ns, x, link) } -> std::same_as<int>;
   backend.drop(landmarks, 0);

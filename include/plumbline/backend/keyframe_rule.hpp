@@ -33,9 +33,9 @@ class KeyframeRule {
     return tracked < options_.min_tracked_ratio * tracked_then || motion_rad > options_.max_motion_rad;
   }
 
-  /// The slot of the keyframe that goes. Where one frame is known by the one before it they go in order of time, so that
-  /// the chain stays whole; others by what the rest replaces best: far from the newest, near to the others, distances in units of the scene's depth and
-  /// of the field of view, and never one of the two newest.
+  /// The slot of the keyframe that goes. Where one frame is known by the one before it they go in order of time, so
+  /// that the chain stays whole; others by what the rest replaces best: far from the newest, near to the others,
+  /// distances in units of the scene's depth and of the field of view, and never one of the two newest.
   template <class Window>
   static int leaving(const Window& window, typename Window::Scalar mean_depth, bool in_order) {
     return in_order ? window.oldest() : most_redundant(window, mean_depth);

@@ -1,11 +1,12 @@
 #pragma once
-/// Backend: Levenberg-Marquardt over a window of K frames and the landmarks they see, with marginalization of the frames
-/// that leave and first-estimate Jacobians.                                                    docs/math/window.md
+/// Backend: Levenberg-Marquardt over a window of K frames and the landmarks they see, with marginalization of the
+/// frames that leave and first-estimate Jacobians.
+/// docs/math/window.md
 ///
-/// One call of `optimize` minimizes  |r0 + J0 e|^2 / 2 + the links of the motion model + the terms of all features  over
-/// the states of the frames; landmarks are eliminated one by one. `retire` turns a frame, and the landmarks anchored in
-/// it, into the next (r0, J0). What a frame's state is, and which links hold, is the motion model's: a camera alone has
-/// poses and no links, docs/math/inertial_window.md has both.
+/// One call of `optimize` minimizes  |r0 + J0 e|^2 / 2 + the links of the motion model + the terms of all features
+/// over the states of the frames; landmarks are eliminated one by one. `retire` turns a frame, and the landmarks
+/// anchored in it, into the next (r0, J0). What a frame's state is, and which links hold, is the motion model's: a
+/// camera alone has poses and no links, docs/math/inertial_window.md has both.
 
 #include <algorithm>
 #include <tuple>
@@ -30,7 +31,7 @@ struct WindowOptions {
   int frame_iterations = 4;            ///< for a frame that is no keyframe
   double sigma_first_rotation = 1e-3;  ///< prior on the first pose, which is the world's origin [rad]
   double sigma_first_position = 1e-3;  ///< [m]
-  double sigma_first_scale = 1e-3;     ///< prior on the distance of the first two keyframes where it is the unit, relative
+  double sigma_first_scale = 1e-3;     ///< of the distance of the first two keyframes where it is the unit, relative
 };
 
 template <MotionModel Motion, class LandmarksT, int K>
@@ -146,8 +147,8 @@ class WindowBackend {
     return summary;
   }
 
-  /// Turns the frame in `slot`, all landmarks anchored in it and its observations of others into prior information on the
-  /// frames that stay, and hands them to the map.
+  /// Turns the frame in `slot`, all landmarks anchored in it and its observations of others into prior information on
+  /// the frames that stay, and hands them to the map.
   void retire(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks, int slot, auto& map) {
     map.retire(Retired<State, Landmarks>(slot, window_[slot], landmarks));
     linearize_views(T_body_cam);
@@ -183,8 +184,8 @@ class WindowBackend {
   static constexpr int max_dim_of(std::tuple<T...>*) {
     return std::max({T::Kind::dim...});
   }
-  using PriorOfAll = WindowPrior<Window, max_rows_of(static_cast<AllTerms*>(nullptr)),
-                                 max_dim_of(static_cast<AllTerms*>(nullptr))>;
+  using PriorOfAll =
+      WindowPrior<Window, max_rows_of(static_cast<AllTerms*>(nullptr)), max_dim_of(static_cast<AllTerms*>(nullptr))>;
 
   /// What the solver sees of the window.
   struct Problem {
@@ -234,9 +235,8 @@ class WindowBackend {
       landmarks.for_each_with(self.terms_, [](auto& store, auto& terms) { terms.step(store); });
       self.views_.update(self.window_, T_body_cam);
       double cost = self.cost_of_frames();
-      landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
-        cost += terms.cost(rig, store, self.window_, self.views_);
-      });
+      landmarks.for_each_with(
+          self.terms_, [&](auto& store, auto& terms) { cost += terms.cost(rig, store, self.window_, self.views_); });
       return cost;
     }
 

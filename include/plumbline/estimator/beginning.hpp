@@ -53,7 +53,8 @@ class Beginning {
       finish(view);
       odometry.publish(view.t_ns);
     } else {
-      wait(odometry, HealthReason::aligning, Start::needs_second_view ? InitStage::little_parallax : InitStage::aligning);
+      wait(odometry, HealthReason::aligning,
+           Start::needs_second_view ? InitStage::little_parallax : InitStage::aligning);
     }
     odometry.adopt_keyframe(view, slot);
     begin_series(odometry, view);
@@ -78,7 +79,8 @@ class Beginning {
       wait(odometry, HealthReason::aligning, InitStage::little_parallax);
       const double motion_px = odometry.motion_px();
       const bool at_rest = is_at_rest(odometry, view.t_ns, motion_px);
-      if (start.has_expired(seconds_between(first_view_ns_, view.t_ns)) || (at_rest && has_crept(odometry, motion_px))) {
+      if (start.has_expired(seconds_between(first_view_ns_, view.t_ns)) ||
+          (at_rest && has_crept(odometry, motion_px))) {
         take_first_view(odometry, view);
       }
       if (at_rest) rest(odometry);
@@ -169,13 +171,17 @@ class Beginning {
   }
 
   static bool is_at_rest(Odometry& odometry, TimeNs t_ns, double motion_px) {
-    if constexpr (is_complete) return false;
-    else return odometry.motion.look_for_rest(t_ns, motion_px);
+    if constexpr (is_complete)
+      return false;
+    else
+      return odometry.motion.look_for_rest(t_ns, motion_px);
   }
   /// Tracks creep by themselves: before that looks like motion, the first view is taken again.
   static bool has_crept(const Odometry& odometry, double motion_px) {
-    if constexpr (is_complete) return false;
-    else return motion_px > odometry.options.motion.rest_motion_px;
+    if constexpr (is_complete)
+      return false;
+    else
+      return motion_px > odometry.options.motion.rest_motion_px;
   }
   /// Standing still before the start: all is known but the scale of what is seen. The world is the one that the window
   /// will have, see InertialStart.

@@ -1,5 +1,6 @@
 #pragma once
-/// What an estimator is composed of, from its sensors, features and backend. Absence is decided here, once, and is a type.
+/// What an estimator is composed of, from its sensors, features and backend. Absence is decided here, once, and is a
+/// type.
 
 #include <type_traits>
 

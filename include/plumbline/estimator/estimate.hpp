@@ -5,8 +5,8 @@
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
-#include "plumbline/state/health.hpp"
 #include "plumbline/lie/se3.hpp"
+#include "plumbline/state/health.hpp"
 
 namespace plumbline {
 

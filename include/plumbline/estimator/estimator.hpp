@@ -37,7 +37,8 @@ class Estimator {
   using Backend = typename Core::Backend;
   using Options = typename Core::Options;
 
-  explicit Estimator(const Sensors& rig, const Options& options = {}) : core_(rig, options), beginning_(options.start) {}
+  explicit Estimator(const Sensors& rig, const Options& options = {})
+      : core_(rig, options), beginning_(options.start) {}
 
   /// One reading, before the frame that comes after it. Between two frames the order does not matter. Errors as in
   /// ImuBuffer.
@@ -91,7 +92,8 @@ class Estimator {
     const HealthReason lacks = core_.find_pose(view, predicted, T, covariance);
     timing_.estimate = TimeSource::now() - begin - timing_.track;
     if (lacks != HealthReason::none) {
-      recover(view, predicted.state, core_.seen_count() < core_.options.pose.min_inliers ? HealthReason::few_features : lacks);
+      recover(view, predicted.state,
+              core_.seen_count() < core_.options.pose.min_inliers ? HealthReason::few_features : lacks);
     } else {
       const State x = core_.motion.update(predicted.state, T, view);
       if (core_.motion.ties_frames()) {

@@ -1,13 +1,13 @@
 #pragma once
-/// What goes on in every frame once there is a map: predict, track, estimate, keyframe, publish. It has one of each of what
-/// an estimator is composed of, but for the start.
+/// What goes on in every frame once there is a map: predict, track, estimate, keyframe, publish. It has one of each of
+/// what an estimator is composed of, but for the start.
 
 #include <algorithm>
 #include <cmath>
 
+#include "plumbline/backend/keyframe_rule.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
-#include "plumbline/backend/keyframe_rule.hpp"
 #include "plumbline/estimator/composition.hpp"
 #include "plumbline/estimator/estimate.hpp"
 #include "plumbline/estimator/options.hpp"
@@ -160,8 +160,8 @@ class Odometry {
     make_room(view);
   }
 
-  /// A frame that is tied to the last keyframe is solved for with the window, and taken out again, without a trace, when
-  /// the next one comes, unless it is a keyframe.
+  /// A frame that is tied to the last keyframe is solved for with the window, and taken out again, without a trace,
+  /// when the next one comes, unless it is a keyframe.
   void solve_with_window(const View<Sensors>& view, const State& x) {
     const State before = window().latest();
     drop_temporary();
@@ -204,7 +204,8 @@ class Odometry {
   void make_room(const View<Sensors>& view) {
     if (!window().full()) return;
     // Without depth or links scale goes from frame to frame; with links time does.
-    const int slot = KeyframeRule::leaving(window(), mean_depth(), /*in_order=*/Motion::is_chain || !Sensors::has_depth);
+    const int slot =
+        KeyframeRule::leaving(window(), mean_depth(), /*in_order=*/Motion::is_chain || !Sensors::has_depth);
     backend.retire(rig, view.T_body_cam, landmarks, slot, map);
   }
   void drop_temporary() {
@@ -257,7 +258,8 @@ class Odometry {
     estimate.keyframe = false;
     estimate.tracked = tracked_count();
     const bool few = estimate.tracked < 2 * options.pose.min_inliers;
-    set_health(few ? HealthState::degraded : HealthState::tracking, few ? HealthReason::few_features : HealthReason::none);
+    set_health(few ? HealthState::degraded : HealthState::tracking,
+               few ? HealthReason::few_features : HealthReason::none);
     const HealthReason doubt = motion.doubt(backend.links(), window());
     if (doubt != HealthReason::none) set_health(HealthState::degraded, doubt);
     if constexpr (Motion::Layout::template has<state::Velocity>) {

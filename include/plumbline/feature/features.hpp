@@ -1,8 +1,8 @@
 #pragma once
 /// The feature kinds of an estimator as one type, e.g. Features<Points<180>, Lines<60>>: capacities are part of it.
 ///
-/// An entry names its kind for a rig (`template <class Sensors> using Kind`), the capacity of its store, and under which
-/// name its options are reached (`Named`). The order counts: a kind may read the landmarks of those before it.
+/// An entry names its kind for a rig (`template <class Sensors> using Kind`), the capacity of its store, and under
+/// which name its options are reached (`Named`). The order counts: a kind may read the landmarks of those before it.
 
 #include <cstddef>
 #include <tuple>
@@ -42,9 +42,8 @@ class LandmarkSet {
   /// The stores before the I-th, as constant references.
   template <std::size_t I>
   auto before() const {
-    return [&]<std::size_t... J>(std::index_sequence<J...>) {
-      return std::tie(std::get<J>(stores_)...);
-    }(std::make_index_sequence<I>{});
+    return [&]<std::size_t... J>(std::index_sequence<J...>) { return std::tie(std::get<J>(stores_)...); }
+    (std::make_index_sequence<I>{});
   }
 
   template <std::size_t I>
@@ -61,9 +60,8 @@ class LandmarkSet {
   using TupleOf = std::tuple<X<Stores>...>;
 
   static void for_each_index(auto&& visit) {
-    [&]<std::size_t... I>(std::index_sequence<I...>) {
-      (visit.template operator()<I>(), ...);
-    }(std::make_index_sequence<kinds>{});
+    [&]<std::size_t... I>(std::index_sequence<I...>) { (visit.template operator()<I>(), ...); }
+    (std::make_index_sequence<kinds>{});
   }
 
  private:

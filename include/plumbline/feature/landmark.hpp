@@ -1,6 +1,6 @@
 #pragma once
-/// A landmark of any kind: what is believed of it, where the frames of the window saw it, and how it looks. The kind says
-/// what its geometry, its appearance and an observation are.
+/// A landmark of any kind: what is believed of it, where the frames of the window saw it, and how it looks. The kind
+/// says what its geometry, its appearance and an observation are.
 
 #include <array>
 #include <cstdint>
@@ -13,14 +13,14 @@ struct Landmark {
   using Observation = typename Kind::Observation;
 
   std::uint32_t id = 0;
-  int anchor = 0;                                  ///< slot of the keyframe whose camera the geometry belongs to
-  bool located = false;                            ///< the geometry is known
-  int misses = 0;                                  ///< frames in a row that should have seen it and did not
-  typename Kind::Geometry geometry;                ///< in the anchor's camera
-  typename Kind::Appearance appearance;            ///< by which it is recognized
-  std::array<Observation, Slots> observations{};   ///< in the frames of the window, by slot
-  Observation current;                             ///< in the latest frame
-  Observation previous;                            ///< in the one before
+  int anchor = 0;                                 ///< slot of the keyframe whose camera the geometry belongs to
+  bool located = false;                           ///< the geometry is known
+  int misses = 0;                                 ///< frames in a row that should have seen it and did not
+  typename Kind::Geometry geometry;               ///< in the anchor's camera
+  typename Kind::Appearance appearance;           ///< by which it is recognized
+  std::array<Observation, Slots> observations{};  ///< in the frames of the window, by slot
+  Observation current;                            ///< in the latest frame
+  Observation previous;                           ///< in the one before
 
   int observation_count() const {
     int n = 0;

@@ -36,7 +36,8 @@ struct LineGeometry {
     }
   }
 
-  /// d(n; v)/d readout of line.plucker() [1/s]: it turns with the bearings of the anchor's segment, which have the given
+  /// d(n; v)/d readout of line.plucker() [1/s]: it turns with the bearings of the anchor's segment, which have the
+  /// given
   /// slopes.                                                                                                 (30)
   Vec<S, 6> slope(const LineReprojection<S>& seen, const Mat<S, 3, 2>& bearing_slope) const {
     const Plucker<S> plucker = line.plucker();

@@ -122,7 +122,8 @@ struct LineKind {
     return errors.valid ? cost_of(errors) : invalid_cost;
   }
 
-  /// Drops what does not belong. The anchor's own pixels stay: without them nothing tells where on the line it was seen.
+  /// Drops what does not belong. The anchor's own pixels stay: without them nothing tells where on the line it was
+  /// seen.
   static void keep_fitting_in_anchor(const InAnchor& line, Observation& seen) {
     keep_fitting_depth(errors_of(seen, line.plucker), seen);
   }

@@ -1,6 +1,7 @@
 #pragma once
-/// The pose of one frame with its map given: iteratively reweighted Gauss-Newton over the rows of all kinds, and a gate for
-/// what does not fit.                                                          docs/math/point.md, docs/math/line.md
+/// The pose of one frame with its map given: iteratively reweighted Gauss-Newton over the rows of all kinds, and a gate
+/// for what does not fit.                                                          docs/math/point.md,
+/// docs/math/line.md
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/features.hpp"
@@ -31,10 +32,10 @@ class MotionEstimate {
   explicit MotionEstimate(const MotionOptions& options) : options_(options) {}
   const MotionOptions& options() const { return options_; }
 
-  /// Moves T, from which the landmarks in sight are far or near, to where they agree, and takes those that do not out of
-  /// the frame. `prior` is about T_predicted. `none` when all is well, else what the pose lacks.
+  /// Moves T, from which the landmarks in sight are far or near, to where they agree, and takes those that do not out
+  /// of the frame. `prior` is about T_predicted. `none` when all is well, else what the pose lacks.
   HealthReason refine(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks, const auto& window,
-              const SE3<S>& T_predicted, const PosePrior<S>& prior, SE3<S>& T, Covariance& covariance) {
+                      const SE3<S>& T_predicted, const PosePrior<S>& prior, SE3<S>& T, Covariance& covariance) {
     landmarks.for_each_with(terms_, [&](auto& store, auto& terms) { terms.collect(store, window, T_body_cam); });
     DenseNormalEquations<S, dim> system;
     for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
@@ -48,9 +49,8 @@ class MotionEstimate {
     }
     int inliers = 0;
     const BodyView<S> body(T, T_body_cam);
-    landmarks.for_each_with(terms_, [&](auto& store, auto& terms) {
-      inliers += terms.gate(rig, store, body, S(options_.chi2_gate));
-    });
+    landmarks.for_each_with(
+        terms_, [&](auto& store, auto& terms) { inliers += terms.gate(rig, store, body, S(options_.chi2_gate)); });
     if (inliers < options_.min_inliers) return HealthReason::few_inliers;
     return system.covariance(covariance) && T.is_finite() ? HealthReason::none : HealthReason::unconstrained;
   }

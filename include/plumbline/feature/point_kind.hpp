@@ -7,7 +7,8 @@
 ///
 /// In the estimate of one frame a landmark's own uncertainty widens its residual along the direction in which it would
 /// move the observation,
-///   Sigma_uv = (L^T L)^-1 + J_uv_lambda J_uv_lambda^T sigma_lambda^2,  Sigma_z = sigma_z^2 + (J_z_lambda sigma_lambda)^2
+///   Sigma_uv = (L^T L)^-1 + J_uv_lambda J_uv_lambda^T sigma_lambda^2
+///   Sigma_z  = sigma_z^2 + (J_z_lambda sigma_lambda)^2
 ///   Sigma_uv^-1/2 = (I - c j j^T / |j|^2) L,  j = L J_uv_lambda sigma_lambda,  c = 1 - 1/sqrt(1 + |j|^2)       (10)
 /// so that landmarks just found from one noisy depth do not outvote those seen for long. The readout time of a rolling
 /// shutter moves observation and anchor (docs/math/rolling_shutter.md):
@@ -45,9 +46,9 @@ struct PointKind {
   static constexpr Loss<S> pixel_loss = loss_for<Loss, S, 2>, depth_loss = loss_for<Loss, S, 1>;
 
   struct Geometry {
-    Vec<S, 3> bearing = Vec<S, 3>::UnitZ();  ///< unit, anchor camera
-    S inverse_range = S(0);                  ///< lambda [1/m]
-    S sigma_inverse_range = S(0);            ///< given the poses [1/m]
+    Vec<S, 3> bearing = Vec<S, 3>::UnitZ();                                  ///< unit, anchor camera
+    S inverse_range = S(0);                                                  ///< lambda [1/m]
+    S sigma_inverse_range = S(0);                                            ///< given the poses [1/m]
     [[no_unique_address]] Present<Vec<S, 3>, Sensors::rolls> bearing_slope;  ///< d bearing / d readout [1/s]
   };
 
@@ -94,8 +95,8 @@ struct PointKind {
 
   /// Weighted rows of the observation in `slot`, another frame than the anchor; returns their cost.
   template <class Rows>
-  static double add_view(const Sensors& rig, const InAnchor& point, const Observation& seen, const RelativeView<S>& view,
-                         int slot, Rows& rows) {
+  static double add_view(const Sensors& rig, const InAnchor& point, const Observation& seen,
+                         const RelativeView<S>& view, int slot, Rows& rows) {
     const S lambda = point.inverse_range;
     const Vec<S, 3> P = view.scaled_point(point.bearing, lambda);
     const auto pixel = InverseDepthReprojection<Camera>{seen.uv.template cast<S>()}.linearize(rig.vision.camera, P);
@@ -174,7 +175,9 @@ struct PointKind {
     const Vec<S, 3> p_cam = middle(point);
     const Vec<S, 3> sigma_cam = p_cam * (point.sigma_inverse_range / point.inverse_range);
     const Vec<S, 3> slope_cam = point.bearing_slope.get() / point.inverse_range;
-    return {T_world_anchor * p_cam, T_world_anchor.rotation() * sigma_cam, {T_world_anchor.rotation() * slope_cam},
+    return {T_world_anchor * p_cam,
+            T_world_anchor.rotation() * sigma_cam,
+            {T_world_anchor.rotation() * slope_cam},
             current};
   }
 
@@ -200,8 +203,8 @@ struct PointKind {
 
   /// Of the same residual, before it is whitened.
   static double error_px(const Sensors& rig, const BodyView<S>& view, const InWorld& point) {
-    const auto lin = PointReprojection<Camera>{point.seen.uv.template cast<S>()}.linearize(rig.vision.camera, view,
-                                                                                            point.p_world);
+    const auto lin =
+        PointReprojection<Camera>{point.seen.uv.template cast<S>()}.linearize(rig.vision.camera, view, point.p_world);
     return lin.valid ? double(lin.r.norm()) : 0;
   }
 

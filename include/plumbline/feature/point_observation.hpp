@@ -15,8 +15,8 @@ struct PointObservation {
   Vec<float, 2> pixel = Vec<float, 2>::Zero();        ///< in the image [px]
   Vec<float, 2> uv = Vec<float, 2>::Zero();           ///< in the middle of the frame, see RollingShutter [px]
   Mat<float, 2, 2> L = Mat<float, 2, 2>::Identity();  ///< L^T L is the information of uv [1/px^2]
-  [[no_unique_address]] Present<Vec<float, 2>, rolls> uv_slope;         ///< d uv / d readout [px/s]
-  [[no_unique_address]] Present<InverseDepth<S>, has_depth> depth;      ///< of the pixel, where there is one
+  [[no_unique_address]] Present<Vec<float, 2>, rolls> uv_slope;     ///< d uv / d readout [px/s]
+  [[no_unique_address]] Present<InverseDepth<S>, has_depth> depth;  ///< of the pixel, where there is one
 
   const Vec<float, 2>& place() const { return pixel; }
   /// All errors are `scale` times those expected.

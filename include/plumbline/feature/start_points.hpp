@@ -1,7 +1,7 @@
 #pragma once
 /// Feature kind: corner points that a camera without depth begins with, at most N landmarks. They tell how the first
-/// views stand to one another, which lines alone do not, and are given up as soon as the other kinds carry the estimate.
-/// Options: `options.start_points`.
+/// views stand to one another, which lines alone do not, and are given up as soon as the other kinds carry the
+/// estimate. Options: `options.start_points`.
 
 #include "plumbline/feature/point_kind.hpp"
 #include "plumbline/sensor/rig.hpp"

@@ -1,5 +1,6 @@
 #pragma once
-/// Rows of a residual, whitened, by what one frame is estimated of: its pose and, of a rolling shutter, the readout time.
+/// Rows of a residual, whitened, by what one frame is estimated of: its pose and, of a rolling shutter, the readout
+/// time.
 
 #include <type_traits>
 

@@ -1,8 +1,8 @@
 #pragma once
 /// What the landmarks of one kind add to a window's cost: their rows, eliminated one landmark at a time.
 ///                                                                                          docs/math/window.md
-/// A kind may hold a landmark in a step by rows against what its views leave open (`add_damping`). That moves no minimum
-/// and never goes into a prior.
+/// A kind may hold a landmark in a step by rows against what its views leave open (`add_damping`). That moves no
+/// minimum and never goes into a prior.
 
 #include <array>
 #include <cstddef>
@@ -120,8 +120,8 @@ class WindowTerms {
     });
   }
 
-  /// Gives `take` what would be lost with the frame in `slot`, landmark by landmark: all rows of those anchored in it; of
-  /// the others, which stay, the rows of their observation there, with a landmark of its own. That forgets how the
+  /// Gives `take` what would be lost with the frame in `slot`, landmark by landmark: all rows of those anchored in it;
+  /// of the others, which stay, the rows of their observation there, with a landmark of its own. That forgets how the
   /// observation refined the landmark, but not how it ties the two frames together. Residuals are those of the current
   /// state.
   void for_each_leaving(int slot, const Sensors& rig, const Store& store, const auto& window, const Views& views,

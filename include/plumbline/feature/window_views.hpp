@@ -10,8 +10,8 @@
 #include <array>
 
 #include "plumbline/lie/se3.hpp"
-#include "plumbline/state/frame_window.hpp"
 #include "plumbline/residual/relative_view.hpp"
+#include "plumbline/state/frame_window.hpp"
 
 namespace plumbline {
 

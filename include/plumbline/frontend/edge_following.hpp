@@ -1,7 +1,8 @@
 #pragma once
-/// Lines by the edge that their image shows: it is looked for where the predicted pose sees the line, and again, nearer,
-/// once the pose is known. A line is known from the depth beside it, or from the planes of keyframes with parallax. Two
-/// lines on one edge are one, the older.                                                     docs/math/line.md
+/// Lines by the edge that their image shows: it is looked for where the predicted pose sees the line, and again,
+/// nearer, once the pose is known. A line is known from the depth beside it, or from the planes of keyframes with
+/// parallax. Two lines on one edge are one, the older.
+/// docs/math/line.md
 ///
 /// Lines do not vote for the pose: three of them give one, but a wrong one as easily. What does not fit is gated.
 
@@ -157,7 +158,8 @@ class EdgeFollowing {
     out.valid = false;
     if (!tracked.valid) return;
     const Vec<S, 2> start = tracked.segment.start.template cast<S>(), end = tracked.segment.end.template cast<S>();
-    const LineObservation<S> seen = observe_line(view.camera(), view.shutter.still(start).uv, view.shutter.still(end).uv);
+    const LineObservation<S> seen =
+        observe_line(view.camera(), view.shutter.still(start).uv, view.shutter.still(end).uv);
     if (!seen.valid) return;
     const float peaks = std::max(1.0f, tracked.support * tracked.segment.length() / options_.peak_spacing_px);
     const SegmentMeasurement<LineReprojection<S>> pixels(

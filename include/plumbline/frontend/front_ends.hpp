@@ -50,8 +50,8 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
     });
   }
 
-  /// Finds the pose that most located landmarks agree on, beginning with `T_world_body`, and takes the others out of the
-  /// frame. Leaves the pose alone when none is found.
+  /// Finds the pose that most located landmarks agree on, beginning with `T_world_body`, and takes the others out of
+  /// the frame. Leaves the pose alone when none is found.
   void agree(const View<Sensors>& view, const auto& window, Landmarks& landmarks, const PoseRansacOptions& options,
              SE3<S>& T_world_body) {
     if constexpr (votes > 0) {
@@ -121,7 +121,8 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
   int lasting_count(const Landmarks& landmarks) const {
     int n = 0;
     Landmarks::for_each_index([&]<std::size_t I>() {
-      if constexpr (!requires { std::get<I>(front_ends_).is_for_start; }) n += landmarks.template get<I>().tracked_count();
+      if constexpr (!requires { std::get<I>(front_ends_).is_for_start; })
+        n += landmarks.template get<I>().tracked_count();
     });
     return n;
   }

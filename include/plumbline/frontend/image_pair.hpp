@@ -39,8 +39,15 @@ class ImagePair {
       if constexpr (Sensors::has_depth) return frame.depth;
       return {};
     };
-    return {frame.t_ns, dt,      rig,           pyramids_[kept_], pyramids_[1 - kept_],
-            depth(),    T_world_kept_, T_body_cam, {rig.vision.camera, rig.vision.height, readout_s}};
+    return {frame.t_ns,
+            dt,
+            rig,
+            pyramids_[kept_],
+            pyramids_[1 - kept_],
+            depth(),
+            T_world_kept_,
+            T_body_cam,
+            {rig.vision.camera, rig.vision.height, readout_s}};
   }
 
   /// The new image is the one that the next is compared with.

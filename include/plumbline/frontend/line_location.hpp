@@ -63,7 +63,8 @@ void locate_in_frame(Landmark& landmark, int slot) {
   detail::adopt_line(landmark, line, Mat<S, 4, 4>(covariance.template cast<S>()));
 }
 
-/// The line from its edge in the anchor, and edge and depth in the latest frame; or, without depth, from the two planes.
+/// The line from its edge in the anchor, and edge and depth in the latest frame; or, without depth, from the two
+/// planes.
 template <class Landmark, class S>
 void locate_line(Landmark& landmark, const RelativeView<S>& latest, const LineTriangulationOptions& options,
                  const SE3<S>& T_latest_anchor) {

@@ -1,7 +1,7 @@
 #pragma once
-/// Motion of a rig with an IMU: the readings since the last frame predict the next one, and tie it to the last keyframe.
+/// Motion of a rig with an IMU: the readings since the last frame predict the next one, and tie it to the keyframe.
 ///                                                                                docs/math/inertial_window.md
-/// Until scale, gravity and velocity are known the gyroscope gives the rotation, and images their own constant velocity.
+/// Until scale, gravity and velocity are known the gyroscope gives the rotation, and images a velocity of their own.
 /// Where the readings say nothing (missing, saturated) both come from the images.
 
 #include <cmath>
@@ -23,11 +23,11 @@ struct InertialOptions : InertialLinkOptions {
   double gyro_inflation = 2;  ///< of the calibrated densities: vibration, scale and alignment errors
   double accel_inflation = 5;
   double walk_inflation = 2;
-  double velocity_sigma = 0.1;  ///< of the velocity that predicts a frame [m/s]
-  double rotation_sigma = 5e-3; ///< of the rotation since the last frame, beside the gyroscope's noise [rad]
-  double max_disagreement = 6;  ///< of readings and images, see InertialLinks; about 2 on a vibrating drone
-  double rest_motion_px = 0.5;  ///< landmarks that moved less since the last keyframe do not contradict a standstill
-  double rest_hysteresis = 2;   ///< limits are this much wider for a body at rest
+  double velocity_sigma = 0.1;   ///< of the velocity that predicts a frame [m/s]
+  double rotation_sigma = 5e-3;  ///< of the rotation since the last frame, beside the gyroscope's noise [rad]
+  double max_disagreement = 6;   ///< of readings and images, see InertialLinks; about 2 on a vibrating drone
+  double rest_motion_px = 0.5;   ///< landmarks that moved less since the last keyframe do not contradict a standstill
+  double rest_hysteresis = 2;    ///< limits are this much wider for a body at rest
   StandstillOptions standstill;
 };
 

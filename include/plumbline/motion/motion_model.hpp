@@ -1,10 +1,10 @@
 #pragma once
-/// A motion model says where the next frame is expected and how sure that is, and ties the frames of the window together
-/// by links. It owns what the sensors of the motion have told since the latest frame.
+/// A motion model says where the next frame is expected and how sure that is, and ties the frames of the window
+/// together by links. It owns what the sensors of the motion have told since the latest frame.
 ///
 ///   begin_frame       takes in what was measured up to a frame; the latest state is null before the first one
-///   predict           the frame's state, before its features are used. `align_rotation(guess)` is what the images say of
-///                     the camera's rotation since the previous one; `blind_s`: since when images are of no use
+///   predict           the frame's state, before its features are used. `align_rotation(guess)` is what the images say
+///                     of the camera's rotation since the previous one; `blind_s`: since when images are of no use
 ///   update            the frame's features say that it is at T: the state with which it enters the window
 ///   revise            after the window was solved: whether the frame's state is corrected by what the images alone say
 ///   lose              the images do not say where the frame is; `carries_on` if the model can without them

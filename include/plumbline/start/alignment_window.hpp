@@ -1,6 +1,6 @@
 #pragma once
-/// What an estimator with an IMU gathers before it knows scale, gravity, velocity and biases: the newest camera poses at
-/// regular intervals, with the IMU's increments between them.                     docs/math/inertial_window.md
+/// What an estimator with an IMU gathers before it knows scale, gravity, velocity and biases: the newest camera poses
+/// at regular intervals, with the IMU's increments between them.                     docs/math/inertial_window.md
 
 #include <array>
 #include <span>

@@ -14,10 +14,10 @@
 namespace plumbline {
 
 struct InertialStartOptions {
-  double frame_interval_s = 0.1;        ///< between the poses that are aligned with the IMU
-  double gyro_bias_sigma = 0.02;        ///< prior of the first frame [rad/s]
-  double accel_bias_sigma = 0.1;        ///< [m/s^2]
-  double max_accel_bias_sigmas = 10;    ///< of accel_bias_sigma, when images and readings are first solved together
+  double frame_interval_s = 0.1;      ///< between the poses that are aligned with the IMU
+  double gyro_bias_sigma = 0.02;      ///< prior of the first frame [rad/s]
+  double accel_bias_sigma = 0.1;      ///< [m/s^2]
+  double max_accel_bias_sigmas = 10;  ///< of accel_bias_sigma, when images and readings are first solved together
   InertialAlignmentOptions alignment;
 };
 

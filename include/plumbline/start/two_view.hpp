@@ -1,8 +1,8 @@
 #pragma once
 /// Start of a camera without depth: a first view, and a second one from far enough aside.  docs/math/geometry.md
 ///
-/// Where a gyroscope knows the rotation it is the first guess, and the translation follows from it; else a homography or
-/// an essential matrix, whichever the pairs speak for, and nothing while they are ambiguous.
+/// Where a gyroscope knows the rotation it is the first guess, and the translation follows from it; else a homography
+/// or an essential matrix, whichever the pairs speak for, and nothing while they are ambiguous.
 
 #include <cstddef>
 #include <span>
@@ -50,7 +50,8 @@ class UnguidedTwoView {
 
   TwoView<S, Capacity> solve(const FixedVector<BearingPair<S>, Capacity>& pairs, const SO3<S>& R_2_1,
                              const Options& options) const {
-    auto found = RelativePoseSolver<S, Capacity>().solve(std::span(pairs.data(), pairs.size()), R_2_1, options.two_view);
+    auto found =
+        RelativePoseSolver<S, Capacity>().solve(std::span(pairs.data(), pairs.size()), R_2_1, options.two_view);
     found.two_view.valid = found.valid;
     return found.two_view;
   }
@@ -91,8 +92,8 @@ class TwoViewStart {
     return true;
   }
 
-  /// The second camera in coordinates of the first. The unit of length: the distance between the two views is a fifth of
-  /// it, so that most points are some units away.
+  /// The second camera in coordinates of the first. The unit of length: the distance between the two views is a fifth
+  /// of it, so that most points are some units away.
   SE3<S> T_1_2() const {
     const SE3<S> T_1_2 = T_2_1_.inverse();
     return SE3<S>(T_1_2.rotation(), Vec<S, 3>(S(0.2) * T_1_2.p()));

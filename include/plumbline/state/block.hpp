@@ -22,10 +22,10 @@ struct Transform {
 }  // namespace detail
 
 // Of a frame.
-struct Pose : detail::Transform {};         ///< T_world_body
-struct Velocity : detail::Vector<3> {};     ///< v_world_body [m/s]
-struct GyroBias : detail::Vector<3> {};     ///< [rad/s]
-struct AccelBias : detail::Vector<3> {};    ///< [m/s^2]
+struct Pose : detail::Transform {};       ///< T_world_body
+struct Velocity : detail::Vector<3> {};   ///< v_world_body [m/s]
+struct GyroBias : detail::Vector<3> {};   ///< [rad/s]
+struct AccelBias : detail::Vector<3> {};  ///< [m/s^2]
 
 // Of the rig.
 struct Extrinsics : detail::Transform {};   ///< T_body_cam

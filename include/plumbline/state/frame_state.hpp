@@ -1,6 +1,6 @@
 #pragma once
-/// The state of one frame: its blocks by name, each with its first estimate; and the same as plain values, which is what
-/// motion models and residuals work on.
+/// The state of one frame: its blocks by name, each with its first estimate; and the same as plain values, which is
+/// what motion models and residuals work on.
 
 #include <tuple>
 #include <type_traits>
