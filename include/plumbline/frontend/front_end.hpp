@@ -4,7 +4,7 @@
 ///
 /// In the order of one frame:
 ///   follow    every landmark of the previous image into the current one, from where the predicted pose sees it
-///   (vote)    what its landmarks have to say in the search for the pose that most agree on, `add_correspondences`
+///   (vote)    what its landmarks have to say in the search for the pose that most agree on, `for_each_correspondence`
 ///   refine    looks again where the estimated pose sees a landmark: tracked ones are corrected, lost ones found
 ///   locate    landmarks without a place in space, by this frame's view of them
 ///   detect    new landmarks, in a keyframe
