@@ -1,0 +1,329 @@
+// Motion of a rig with an IMU: what it predicts from readings, from images where there are none, and what it ties.
+//                                                                                docs/math/inertial_window.md
+#include "plumbline/motion/inertial.hpp"
+
+#include <cmath>
+#include <memory>
+#include <type_traits>
+
+#include "catch.hpp"
+#include "motion/small_view.hpp"
+#include "plumbline/sensor/imu.hpp"
+#include "plumbline/sensor/mono.hpp"
+#include "plumbline/sensor/rig.hpp"
+#include "plumbline/state/frame_window.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+constexpr TimeNs period = 5'000'000, frame = 50'000'000;
+constexpr double frame_s = 0.05, rate_z = 0.4;  // [rad/s]
+
+/// A body that turns evenly about the vertical and moves evenly, or rests; its readings have biases.
+template <class S>
+struct Drive {
+  using Sensors = Rig<Mono<Pinhole<S>, 64 * 64>, Imu>;
+  using Motion = Inertial<Sensors>;
+  static constexpr double tolerance = std::is_same_v<S, float> ? 2e-5 : 1e-9;
+
+  test::SmallView<Sensors> views;
+  std::unique_ptr<Motion> motion;
+  SE3<S> T_body_cam{SO3<S>::exp({S(1.2), S(-0.4), S(0.3)}), Vec<S, 3>(S(0.1), S(-0.2), S(0.05))};
+  bool moves = true;
+  Vec<double, 3> bias_gyro{0.01, -0.02, 0.015}, bias_accel{0, 0, 0.1};
+  NavState<S> latest;  ///< of the last frame, exact
+  TimeNs now = 0;
+
+  explicit Drive(bool drives = true, const InertialOptions& options = {}) : moves(drives) {
+    motion = std::make_unique<Motion>(views.rig, options);
+    read(-300'000'000, 0);
+    motion->begin_frame(0, nullptr, 0);
+    latest = truth(0);
+  }
+
+  NavState<S> truth(TimeNs t_ns) const {
+    const double t = moves ? 1e-9 * double(t_ns) : 0;
+    NavState<double> x;
+    x.T_world_body = SE3<double>(SO3<double>::exp({0, 0, rate_z * t}), Vec<double, 3>(1 + 0.6 * t, -0.2 * t, 0.5));
+    if (moves) x.v_world_body = {0.6, -0.2, 0};
+    x.bias_gyro = bias_gyro;
+    x.bias_accel = bias_accel;
+    return x.template cast<S>();
+  }
+  ImuSample reading(TimeNs t_ns) const {
+    const double wiggle = 1e-9 * double(t_ns / period % 7);  // a live sensor does not repeat itself
+    return {t_ns, bias_gyro + Vec<double, 3>(wiggle, 0, moves ? rate_z : 0),
+            bias_accel + Vec<double, 3>(0, wiggle, 9.81)};
+  }
+  /// Readings in (from, to].
+  void read(TimeNs from, TimeNs to, auto&& change) {
+    for (TimeNs t = from + period; t <= to; t += period) {
+      ImuSample sample = reading(t);
+      change(sample);
+      REQUIRE(motion->imu().add(sample, from < 0 ? nullptr : &latest));
+    }
+  }
+  void read(TimeNs from, TimeNs to) {
+    read(from, to, [](ImuSample&) {});
+  }
+
+  /// On to the next frame, without having seen its features; readings may be missing, or changed.
+  void advance(bool reads = true) {
+    if (reads) read(now, now + frame);
+    now += frame;
+    motion->begin_frame(now, &latest, S(frame_s));
+  }
+  void advance_with(auto&& change) {
+    read(now, now + frame, change);
+    now += frame;
+    motion->begin_frame(now, &latest, S(frame_s));
+  }
+  View<Sensors> view() const { return views.at(now, S(frame_s), latest.T_world_body, motion->T_body_cam(T_body_cam)); }
+  Prediction<NavState<S>, S> predict(const test::SeenRotation<S>& seen = {}, S blind_s = S(frame_s)) {
+    return motion->predict(latest, view(), blind_s, [&](const SO3<S>&) { return seen; });
+  }
+  /// The camera's rotation as the images show it.
+  test::SeenRotation<S> shown() const {
+    const SO3<S> R_body_cam = T_body_cam.rotation();
+    return {true, (truth(now).T_world_body.rotation() * R_body_cam).inverse() *
+                      (latest.T_world_body.rotation() * R_body_cam)};
+  }
+  /// The frame was found where it is.
+  void found() { latest = truth(now); }
+  void go_on(int frames) {
+    for (int k = 0; k < frames; ++k) {
+      advance();
+      found();
+    }
+  }
+  double error(const NavState<S>& x) const { return double(minus(x, truth(now)).norm()); }
+};
+
+template <class S>
+using Window = FrameWindow<S, InertialLayout, 4>;
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("inertial: a metric state is predicted by the readings, with their uncertainty", "", float, double) {
+  using S = TestType;
+  Drive<S> drive;
+  drive.motion->become_metric();
+  REQUIRE(drive.motion->carries_on());
+  for (int k = 0; k < 4; ++k) {
+    drive.advance();
+    const auto predicted = drive.predict();
+    CHECK(drive.error(predicted.state) < Drive<S>::tolerance);
+    CHECK(double((drive.motion->angular_rate() - Vec<S, 3>(0, 0, S(rate_z))).norm()) < 1e-4);
+    REQUIRE(predicted.prior.valid);
+    const InertialOptions options;
+    const auto& covariance = drive.motion->imu().since_frame().increment().covariance;
+    for (int i = 0; i < 3; ++i) {
+      CHECK(double(predicted.prior.sigma[i]) ==
+            Approx(std::hypot(options.rotation_sigma, std::sqrt(double(covariance(i, i))))));
+      CHECK(double(predicted.prior.sigma[3 + i]) ==
+            Approx(std::hypot(options.velocity_sigma * frame_s, std::sqrt(double(covariance(3 + i, 3 + i))))));
+    }
+    // The longer images are of no use, the less the velocity is worth.
+    CHECK(drive.predict({}, S(2)).prior.sigma[3] > S(10) * predicted.prior.sigma[3]);
+    CHECK(drive.predict({}, S(2)).prior.sigma[0] == predicted.prior.sigma[0]);
+    // A pose from the images does not replace the state that enters the window.
+    const NavState<S> x = drive.motion->update(predicted.state, SE3<S>(), drive.view());
+    CHECK(drive.error(x) == Approx(drive.error(predicted.state)));
+    drive.found();
+  }
+}
+
+TEMPLATE_TEST_CASE("inertial: before it is metric the gyroscope turns, the images move", "", float, double) {
+  using S = TestType;
+  Drive<S> drive;
+  CHECK_FALSE(drive.motion->is_metric());
+  CHECK_FALSE(drive.motion->carries_on());
+  CHECK_FALSE(drive.motion->ties_frames());
+  drive.latest.v_world_body = {S(3), S(0), S(-1)};  // in the unit of vision
+  const SE3<S> before = drive.latest.T_world_body;
+  drive.advance();
+  const auto predicted =
+      drive.predict({true, SO3<S>::exp({S(1), 0, 0})});  // what images say of the rotation is not used
+  CHECK_FALSE(predicted.prior.valid);
+  const SE3<S>& T = predicted.state.T_world_body;
+  CHECK(double((T.R() - drive.truth(drive.now).T_world_body.R()).norm()) < Drive<S>::tolerance);
+  CHECK(double((T.p() - before.p() - S(frame_s) * drive.latest.v_world_body).norm()) < Drive<S>::tolerance);
+  // The lever arm has no length in that unit.
+  CHECK(drive.view().T_body_cam.p().norm() == 0);
+  CHECK((drive.view().T_body_cam.R() - drive.T_body_cam.R()).norm() == 0);
+  // The features' pose is that of the frame, and tells the velocity.
+  const SE3<S> found(T.rotation(), before.p() + Vec<S, 3>(S(0.2), S(0.1), 0));
+  const NavState<S> x = drive.motion->update(predicted.state, found, drive.view());
+  CHECK(minus(x.T_world_body, found).norm() == 0);
+  CHECK(double((S(frame_s) * x.v_world_body - Vec<S, 3>(S(0.2), S(0.1), 0)).norm()) < Drive<S>::tolerance);
+
+  drive.motion->become_metric();
+  CHECK(drive.motion->ties_frames());
+  CHECK(minus(drive.view().T_body_cam, drive.T_body_cam).norm() == 0);
+}
+
+TEMPLATE_TEST_CASE("inertial: where readings are missing images turn, and tell the velocity", "", float, double) {
+  using S = TestType;
+  Drive<S> drive;
+  drive.motion->become_metric();
+  drive.go_on(2);
+  drive.motion->begin_link(drive.latest);
+  drive.go_on(1);
+  NavState<S> untouched = drive.latest;
+  CHECK_FALSE(drive.motion->revise(drive.latest, untouched, S(frame_s)));
+  CHECK_FALSE(drive.motion->confirm_keyframe(drive.now, 50, false));
+
+  for (int k = 0; k < 2; ++k) {
+    drive.advance(false);
+    REQUIRE(drive.motion->imu().missing());
+    const auto predicted = drive.predict(drive.shown());
+    CHECK(double(minus(predicted.state.T_world_body, drive.truth(drive.now).T_world_body).norm()) <
+          Drive<S>::tolerance);
+    CHECK(double((drive.predict().state.T_world_body.R() - drive.latest.T_world_body.R()).norm()) <
+          Drive<S>::tolerance);  // nor do the images say anything
+    const NavState<S> x = drive.motion->update(predicted.state, drive.truth(drive.now).T_world_body, drive.view());
+    CHECK(drive.error(x) < Drive<S>::tolerance);
+    CHECK_FALSE(drive.motion->confirm_keyframe(drive.now, 50, false));  // the readings are not back yet
+    NavState<S> solved = x;
+    solved.v_world_body.setZero();
+    REQUIRE(drive.motion->revise(drive.latest, solved, S(frame_s)));
+    CHECK(double((solved.v_world_body - drive.truth(0).v_world_body).norm()) < 1e-3);
+    drive.found();
+  }
+  drive.go_on(1);
+  CHECK(drive.motion->confirm_keyframe(drive.now, 50, false));  // they are: the next link knows the velocity
+  drive.motion->begin_link(drive.latest);
+  CHECK_FALSE(drive.motion->confirm_keyframe(drive.now, 50, false));
+  CHECK(drive.motion->confirm_keyframe(drive.now, 50, true));
+}
+
+TEMPLATE_TEST_CASE("inertial: at the rails of one sensor the other one is still believed", "", float, double) {
+  using S = TestType;
+  const test::SeenRotation<S> wrong{true, SO3<S>::exp({S(0.5), 0, 0})};
+  Drive<S> drive;
+  drive.motion->become_metric();
+  drive.go_on(1);
+  drive.advance_with([](ImuSample& sample) { sample.accel.x() = 1e3; });
+  REQUIRE(drive.motion->imu().blind());
+  SE3<S> T = drive.predict(wrong).state.T_world_body;  // rotation by the gyroscope
+  CHECK(double(minus(T, drive.truth(drive.now).T_world_body).norm()) < Drive<S>::tolerance);
+  drive.found();
+  drive.advance_with([](ImuSample& sample) { sample.gyro.x() = 1e3; });
+  T = drive.predict(drive.shown()).state.T_world_body;  // rotation by the images
+  CHECK(double(minus(T, drive.truth(drive.now).T_world_body).norm()) < Drive<S>::tolerance);
+}
+
+TEMPLATE_TEST_CASE("inertial: a link has all readings since its keyframe", "", float, double) {
+  using S = TestType;
+  Drive<S> drive;
+  drive.motion->become_metric();
+  drive.go_on(2);
+  drive.motion->begin_link(drive.latest);
+  const NavState<S> keyframe = drive.latest;
+  CHECK(drive.motion->link(3).increment.empty());
+  drive.go_on(5);
+  const InertialLink<S> link = drive.motion->link(3);
+  CHECK(link.previous == 3);
+  CHECK_FALSE(link.at_rest);
+  CHECK(double(link.increment.increment().duration) == Approx(5 * frame_s));
+  const NavState<S> there = link.increment.increment().predict(keyframe, gravity_in_world<S>());
+  CHECK(drive.error(there) < 10 * Drive<S>::tolerance);
+  // Densities are those of the calibration, inflated.
+  const InertialOptions options;
+  CHECK(link.increment.noise().gyro_density == Approx(options.gyro_inflation * ImuNoise{}.gyro_density));
+  CHECK(link.increment.noise().accel_walk == Approx(options.walk_inflation * ImuNoise{}.accel_walk));
+}
+
+TEMPLATE_TEST_CASE("inertial: a standstill is what image and readings agree on", "", float, double) {
+  using S = TestType;
+  const InertialOptions options;
+  Drive<S> resting(false);
+  resting.motion->become_metric();
+  CHECK_FALSE(resting.motion->look_for_rest(resting.now, 0));  // too few readings so far
+  resting.go_on(20);
+  CHECK(resting.motion->look_for_rest(resting.now, 0.9 * options.rest_motion_px));
+  CHECK(resting.motion->at_rest());
+  CHECK(resting.motion->link(0).at_rest);
+  CHECK_FALSE(resting.motion->confirm_keyframe(resting.now, 0, true));  // at rest there are none
+  // Left less easily than entered.
+  const double between = 0.5 * (1 + options.rest_hysteresis) * options.rest_motion_px;
+  CHECK(resting.motion->look_for_rest(resting.now, between));
+  CHECK_FALSE(resting.motion->look_for_rest(resting.now, 1.1 * options.rest_hysteresis * options.rest_motion_px));
+  CHECK_FALSE(resting.motion->look_for_rest(resting.now, between));
+  CHECK(resting.motion->look_for_rest(resting.now, 0));
+  const NavState<S> x = resting.motion->state_at_rest();
+  CHECK(double((x.bias_gyro.template cast<double>() - resting.bias_gyro).norm()) < 1e-5);
+  CHECK(double((x.bias_accel.template cast<double>() - resting.bias_accel).norm()) < 1e-4);
+  CHECK(double((x.T_world_body.R() - Mat<S, 3, 3>::Identity()).norm()) < 1e-3);
+  resting.motion->lose();
+  CHECK_FALSE(resting.motion->at_rest());
+
+  // Even motion in a straight line looks the same to an IMU, an even turn does not.
+  Drive<S> turning;
+  turning.go_on(20);
+  CHECK_FALSE(turning.motion->look_for_rest(turning.now, 0));
+}
+
+TEMPLATE_TEST_CASE("inertial: without images the covariance grows with what readings and velocity leave open", "",
+                   float, double) {
+  using S = TestType;
+  Drive<S> drive;
+  drive.motion->become_metric();
+  drive.go_on(1);
+  drive.advance();
+  const Mat<S, 6, 6> before = S(1e-4) * Mat<S, 6, 6>::Identity();
+  Mat<S, 6, 6> grown = drive.motion->covariance_grown(before);
+  const InertialOptions options;
+  const double walk = options.velocity_sigma * options.velocity_sigma * frame_s;
+  const auto& covariance = drive.motion->imu().since_frame().increment().covariance;
+  for (int r = 0; r < 6; ++r) {
+    for (int c = 0; c < 6; ++c) {
+      const double expected = double(before(r, c)) + double(covariance(r, c)) + (r == c && r >= 3 ? walk : 0);
+      CHECK(double(grown(r, c)) == Approx(expected).margin(1e-12));
+    }
+  }
+}
+
+TEMPLATE_TEST_CASE("inertial: says what is wrong with its readings", "", float, double) {
+  using S = TestType;
+  InertialOptions options;
+  const auto links = std::make_unique<InertialLinks<S, 4>>(options);
+  Window<S> window;
+  Drive<S> drive;
+  drive.motion->become_metric();
+  drive.go_on(2);
+  CHECK(drive.motion->doubt(*links, window) == HealthReason::none);
+  drive.advance_with([](ImuSample& sample) { sample.accel.x() = 1e3; });
+  CHECK(drive.motion->doubt(*links, window) == HealthReason::imu_saturated);
+  drive.found();
+  drive.advance(false);
+  CHECK(drive.motion->doubt(*links, window) == HealthReason::no_imu_data);
+  drive.found();
+  drive.go_on(1);
+  // Readings and images that contradict each other.
+  const int first = window.insert(drive.now, drive.latest);
+  links->insert(first, drive.latest, {});
+  drive.motion->begin_link(drive.latest);
+  drive.go_on(2);
+  NavState<S> x = drive.latest;
+  const int second = window.insert(drive.now, x);
+  links->insert(second, x, drive.motion->link(first));
+  CHECK(drive.motion->doubt(*links, window) == HealthReason::none);
+  x.v_world_body.x() += S(2);
+  window.state(second) = typename Window<S>::State(x);
+  CHECK(drive.motion->doubt(*links, window) == HealthReason::imu_disagrees);
+}
+
+TEMPLATE_TEST_CASE("inertial: a new world keeps the biases alone", "", float, double) {
+  using S = TestType;
+  Drive<S> drive;
+  drive.motion->become_metric();
+  drive.go_on(1);
+  const NavState<S> x = drive.motion->restart(drive.latest);
+  CHECK(minus(x.T_world_body, SE3<S>()).norm() == 0);
+  CHECK(x.v_world_body.norm() == 0);
+  CHECK(x.bias_gyro == drive.latest.bias_gyro);
+  CHECK(x.bias_accel == drive.latest.bias_accel);
+  CHECK_FALSE(drive.motion->is_metric());
+}
