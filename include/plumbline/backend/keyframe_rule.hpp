@@ -19,7 +19,7 @@ struct KeyframeOptions {
 /// drifts with every keyframe.
 template <SensorRig Sensors>
 constexpr KeyframeOptions default_keyframes() {
-  if (!Sensors::has_depth) return {0.7, 0.065};
+  if (!Sensors::has_depth) return {0.7, 0.0656};
   return {0.5, Sensors::has_imu ? 0.095 : 0.15};
 }
 

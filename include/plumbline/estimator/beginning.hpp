@@ -95,8 +95,8 @@ class Beginning {
       odometry.publish(view.t_ns);
       const int first = odometry.keyframe();
       odometry.make_keyframe(view);
-      odometry.backend.hold_scale(first, odometry.keyframe());
       if constexpr (is_complete) {
+        odometry.backend.hold_scale(first, odometry.keyframe());
         finish(view);
       } else {
         wait(odometry, HealthReason::aligning, InitStage::aligning);
