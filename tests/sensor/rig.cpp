@@ -16,19 +16,9 @@ namespace {
 using Camera = Pinhole<float>;
 constexpr std::size_t pixels = 64 * 64;
 
-/// A camera and the size of its images.
-struct Plain {
-  Camera camera;
-  int width, height;
-};
-
-// What is absent costs nothing: no IMU, no readout of a global shutter.
+// What is absent costs nothing.
 static_assert(sizeof(Rig<Mono<Camera>>) == sizeof(Mono<Camera>));
 static_assert(sizeof(Rig<Rgbd<Camera>>) == sizeof(Rgbd<Camera>));
-static_assert(sizeof(Mono<Camera, pixels, Global>) == sizeof(Plain));
-static_assert(sizeof(Mono<Camera, pixels, Rolling>) == sizeof(Plain) + sizeof(Readout<float>));
-static_assert(sizeof(Rgbd<Camera, pixels, Global>) == sizeof(Plain) + sizeof(DepthSensor<float>));
-static_assert(sizeof(Rgbd<Camera, pixels, Rolling>) == sizeof(Rgbd<Camera, pixels, Global>) + sizeof(Readout<float>));
 
 static_assert(SensorRig<Rig<Mono<Camera>>> && SensorRig<Rig<Rgbd<Pinhole<double, RadTan>>, Imu>>);
 static_assert(SensorRig<Rig<Mono<Camera, pixels, Rolling>, Imu>> && SensorRig<Rig<Rgbd<Camera, pixels, Global>>>);
@@ -62,12 +52,4 @@ TEST_CASE("rig: with an IMU the body is the IMU") {
   rig.imu.T_body_cam = SE3<double>(SO3<double>::exp({0.1, 0.2, 0.3}), Vec<double, 3>(1, 2, 3));
   REQUIRE((rig.T_body_cam().p() - Vec<float, 3>(1, 2, 3)).norm() == 0);
   STATIC_REQUIRE(std::is_same_v<decltype(rig.T_body_cam()), SE3<float>>);
-}
-
-TEST_CASE("rig: a readout is known to be zero, or to be found out, if nothing else is said") {
-  REQUIRE(Mono<Camera>{}.readout.get().value_s == 0);
-  REQUIRE(Mono<Camera>{}.readout.get().sigma_s == 0);
-  REQUIRE(Mono<Camera, pixels, Rolling>{}.readout.get().sigma_s == 0);
-  REQUIRE(Rgbd<Camera>{}.readout.get().sigma_s > 0);
-  REQUIRE(Rgbd<Camera, pixels, Global>{}.readout.get().sigma_s == 0);
 }

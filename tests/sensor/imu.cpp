@@ -1,0 +1,14 @@
+#include "plumbline/sensor/imu.hpp"
+
+#include "catch.hpp"
+#include "plumbline/sensor/rig.hpp"
+
+using namespace plumbline;
+
+static_assert(Imu::is_present && !NoImu::is_present);
+
+TEST_CASE("imu: sits in the camera and runs by its clock, if nothing else is said") {
+  const Imu imu;
+  REQUIRE(imu.T_body_cam.log().norm() == 0);
+  REQUIRE(imu.camera_time_offset_s == 0);
+}
