@@ -15,9 +15,10 @@
 #include <vector>
 
 #include "plumbline/camera/pinhole.hpp"
-#include "plumbline/feature/point_landmark.hpp"
 #include "plumbline/lie/plus.hpp"
 #include "plumbline/residual/inverse_depth_point.hpp"
+#include "plumbline/residual/relative_view.hpp"
+#include "plumbline/sensor/depth_sensor.hpp"
 #include "plumbline/solver/levenberg_marquardt.hpp"
 
 namespace plumbline::bench {
@@ -60,7 +61,7 @@ void solve_window(benchmark::State& state) {
   for (auto _ : state) {
     *window = *start;
     const double begin = seconds();
-    iterations = window->backend.optimize(window->rig, window->maps).iterations;
+    iterations = window->solve().iterations;
     state.SetIterationTime(seconds() - begin);
   }
   state.counters["iterations"] = iterations;
@@ -108,7 +109,7 @@ bool agrees_with_ceres(const std::string& name, double tolerance_start) {
   const double start = with_ceres.cost();
   with_ceres.solve();
   const double expected = with_ceres.cost();
-  const LevenbergMarquardtSummary summary = ours->backend.optimize(ours->rig, ours->maps);
+  const LevenbergMarquardtSummary summary = ours->solve();
   with_ceres.read(*ours);
   const double found = with_ceres.cost();
   std::printf("%-22s cost %.9g -> %.9g in %d iterations, Ceres %.9g -> %.9g in %d\n", name.c_str(),
@@ -207,8 +208,9 @@ struct PixelCost final : ceres::SizedCostFunction<2, 7, 7, 1> {
   Vec<double, 3> bearing;
   Vec<double, 2> uv;
   Mat<double, 2, 2> L;
-  PixelCost(const Pinhole<double>& c, const Vec<double, 3>& b, const PointObservation<double>& seen)
-      : camera(c), bearing(b), uv(seen.uv.cast<double>()), L(seen.L.cast<double>()) {}
+  template <class Observation>
+  PixelCost(const Pinhole<double>& c, const Vec<double, 3>& b, const Observation& seen)
+      : camera(c), bearing(b), uv(seen.uv.template cast<double>()), L(seen.L.template cast<double>()) {}
   bool Evaluate(const double* const* x, double* r, double** J) const override {
     const RelativeView<double> view(PoseManifold::read(x[0]), PoseManifold::read(x[1]), SE3<double>());
     if (!J) {  // the value alone, as ours
@@ -256,19 +258,20 @@ struct AnchorDepthCost final : ceres::SizedCostFunction<1, 1> {
 template <class Landmark>
 void add_point(CeresProblem& window, const Pinhole<double>& camera, const Landmark& landmark,
                std::vector<Vec<double, 7>>& poses, double* lambda) {
+  const Vec<double, 3>& bearing = landmark.geometry.bearing;
   window.options.linear_solver_ordering->AddElementToGroup(lambda, 0);
   for (std::size_t slot = 0; slot < poses.size(); ++slot) {
-    const PointObservation<double>& seen = landmark.observations[slot];
+    const auto& seen = landmark.observations[slot];
     if (!seen.valid) continue;
     if (int(slot) == landmark.anchor) {
-      window.problem.AddResidualBlock(new AnchorDepthCost(landmark.bearing.z(), seen.depth),
-                                      new ceres::HuberLoss(1.345), lambda);
+      window.problem.AddResidualBlock(new AnchorDepthCost(bearing.z(), seen.depth.get()), new ceres::HuberLoss(1.345),
+                                      lambda);
       continue;
     }
     double *const anchor = poses[std::size_t(landmark.anchor)].data(), *const target = poses[slot].data();
-    window.problem.AddResidualBlock(new PixelCost(camera, landmark.bearing, seen), new ceres::HuberLoss(2.45), anchor,
-                                    target, lambda);
-    window.problem.AddResidualBlock(new DepthCost(landmark.bearing, seen.depth), new ceres::HuberLoss(1.345), anchor,
+    window.problem.AddResidualBlock(new PixelCost(camera, bearing, seen), new ceres::HuberLoss(2.45), anchor, target,
+                                    lambda);
+    window.problem.AddResidualBlock(new DepthCost(bearing, seen.depth.get()), new ceres::HuberLoss(1.345), anchor,
                                     target, lambda);
   }
 }

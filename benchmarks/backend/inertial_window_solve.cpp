@@ -3,14 +3,20 @@
 #include "ceres_window.hpp"
 
 #include <memory>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "plumbline/backend/sliding_window.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"
+#include "plumbline/motion/inertial.hpp"
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/sensor/rig.hpp"
+#include "plumbline/start/depth.hpp"
+#include "plumbline/start/inertial.hpp"
 #include "plumbline/testing/simulated_points.hpp"
 
 namespace plumbline {
@@ -41,14 +47,13 @@ struct Motion {
 template <class S>
 struct Window {
   using Sensors = Rig<Rgbd<Pinhole<S>, 64 * 64>, Imu>;
-  using PointsMap = typename Points<points>::Map<Sensors, keyframes>;
-  using LinesMap = typename Lines<lines>::Map<Sensors, keyframes>;
-  using Maps = FeatureMaps<PointsMap, LinesMap>;
-  using Backend = WindowBackend<Sensors, Maps, keyframes>;
+  using Landmarks = typename Features<Points<points>, Lines<lines>>::template Landmarks<Sensors, keyframes>;
+  using Backend = WindowBackend<Inertial<Sensors>, Landmarks, keyframes>;
+  using LineStore = std::remove_reference_t<decltype(std::declval<Landmarks&>().template get<1>())>;
 
   Sensors rig;
-  Maps maps{{}};
-  Backend backend{{}};
+  Landmarks landmarks{StoreOptions{}, StoreOptions{}};
+  Backend backend{{}, {}};
 
   /// The first keyframe is exact, it defines the world; the others start 2 cm, 1 degree and 5 cm/s off.
   Window() {
@@ -71,15 +76,24 @@ struct Window {
       Vec<double, 15> error = Vec<double, 15>::Zero();
       if (k > 0) error.head<9>() << 0.017 * noise.vector<3>(), 0.02 * noise.vector<3>(), 0.05 * noise.vector<3>();
       starts.push_back(plus(x, error).template cast<S>());
-      int slot = k == 0 ? backend.start(0, starts[0].T_world_body) : 0;
-      if (k > 0) slot = backend.insert(k, starts.back(), k - 1, increment(motion, k, noise), false);
-      maps.for_each([&](auto& map) { observe(map, scene, ends, x.T_world_body, slot, noise); });
+      int slot = k == 0 ? backend.start(0, {starts[0].T_world_body}) : 0;
+      if (k > 0) slot = backend.insert(k, starts.back(), {k - 1, increment(motion, k, noise)});
+      scene.observe(landmarks.template get<0>(), x.T_world_body, slot, noise);
+      observe(landmarks.template get<1>(), ends, x.T_world_body, slot, noise);
     }
-    backend.start_inertial([&](int slot) { return starts[std::size_t(slot)]; });
+    const InertialStart<S, DepthStart<S>> start({});
+    backend.restart([&](int slot) { return starts[std::size_t(slot)]; }, start.prior_on_biases());
+    for (int k = 0; k < keyframes; ++k) {  // with the velocities above, not those that the positions tell of
+      using Velocity = Estimated<state::Velocity, S>;
+      backend.window().state(k).template get<state::Velocity>() = Velocity(starts[std::size_t(k)].v_world_body);
+    }
+    backend.window().state(0).fix_first_estimates();
   }
 
-  const typename PointsMap::Landmarks& point_landmarks() const { return maps.template get<PointsMap>().landmarks(); }
-  const typename LinesMap::Landmarks& line_landmarks() const { return maps.template get<LinesMap>().landmarks(); }
+  LevenbergMarquardtSummary solve() { return backend.optimize(rig, rig.T_body_cam(), landmarks); }
+  NavState<S> state(int slot) const { return backend.window()[slot].state.value(); }
+  const auto& point_landmarks() const { return landmarks.template get<0>().landmarks(); }
+  const auto& line_landmarks() const { return landmarks.template get<1>().landmarks(); }
 
  private:
   /// The readings before keyframe k, 200 in a second.
@@ -102,33 +116,30 @@ struct Window {
     return out;
   }
 
-  static void observe(PointsMap& map, const testing::SimulatedPoints& scene, const testing::SimulatedPoints&,
-                      const SE3<double>& T_world_cam, int slot, testing::Gaussian& noise) {
-    scene.observe(map, T_world_cam, slot, noise);
-  }
   /// Line i is that through the points i and lines + i; its start is a little off.
-  static void observe(LinesMap& map, const testing::SimulatedPoints&, const testing::SimulatedPoints& ends,
-                      const SE3<double>& T_world_cam, int slot, testing::Gaussian& noise) {
+  static void observe(LineStore& store, const testing::SimulatedPoints& ends, const SE3<double>& T_world_cam, int slot,
+                      testing::Gaussian& noise) {
     const double sigma_px = 0.5, sigma_inverse_depth = 5e-3;
     for (std::size_t i = 0; i < std::size_t(lines); ++i) {
       const testing::SeenPoint a = ends.see(T_world_cam, i), b = ends.see(T_world_cam, std::size_t(lines) + i);
       if (slot == 0) {
-        typename LinesMap::Landmark landmark;
+        typename LineStore::Landmark landmark;
         landmark.id = std::uint32_t(i);
         landmark.located = true;
         const Line3<double> line = Line3<double>::through(a.p_cam, b.p_cam);
-        landmark.line = line.plus(0.01 * noise.vector<4>()).template cast<S>();
-        map.landmarks().push_back(landmark);
+        landmark.geometry.line = line.plus(0.01 * noise.vector<4>()).template cast<S>();
+        store.landmarks().push_back(landmark);
       }
       const auto seen = observe_line(ends.camera, Vec<double, 2>(a.uv + sigma_px * noise.vector<2>()),
                                      Vec<double, 2>(b.uv + sigma_px * noise.vector<2>()));
       if (!seen.valid) continue;
       const LineReprojection<double>& pixels = seen.reprojection;
-      SegmentObservation<S>& out = map.landmarks()[i].observations[std::size_t(slot)];
+      auto& out = store.landmarks()[i].observations[std::size_t(slot)];
       const Mat<S, 2, 2> I = Mat<S, 2, 2>::Identity();
-      out.valid = out.set_pixels({pixels.bearing_start.template cast<S>(), pixels.bearing_end.template cast<S>(),
-                                  pixels.px_per_rad.template cast<S>()},
-                                 S(sigma_px * sigma_px) * I);
+      out.pixels = {{pixels.bearing_start.template cast<S>(), pixels.bearing_end.template cast<S>(),
+                     pixels.px_per_rad.template cast<S>()},
+                    S(sigma_px * sigma_px) * I};
+      out.valid = out.pixels.valid;
       const Vec<double, 2> inverse_depth(1 / a.p_cam.z(), 1 / b.p_cam.z());
       out.set_depth((inverse_depth + sigma_inverse_depth * noise.vector<2>()).cast<S>(),
                     S(sigma_inverse_depth * sigma_inverse_depth) * I);
@@ -266,10 +277,11 @@ struct FirstStateCost final : ceres::SizedCostFunction<10, 7, 9> {
   Mat<double, 10, 15> J0 = Mat<double, 10, 15>::Zero();
   explicit FirstStateCost(const NavState<double>& x) : first(x) {
     const WindowOptions sigmas;
+    const InertialStartOptions biases;
     J0.block<3, 3>(0, 3).diagonal().setConstant(1 / sigmas.sigma_first_position);
     J0.block<1, 3>(3, 0) = x.T_world_body.R().row(2) / sigmas.sigma_first_rotation;
-    J0.block<3, 3>(4, 9).diagonal().setConstant(1 / sigmas.inertial.start_gyro_bias_sigma);
-    J0.block<3, 3>(7, 12).diagonal().setConstant(1 / sigmas.inertial.start_accel_bias_sigma);
+    J0.block<3, 3>(4, 9).diagonal().setConstant(1 / biases.gyro_bias_sigma);
+    J0.block<3, 3>(7, 12).diagonal().setConstant(1 / biases.accel_bias_sigma);
   }
   bool Evaluate(const double* const* x, double* r, double** J) const override {
     const NavState<double> state = state_of(x[0], x[1]);
@@ -293,10 +305,10 @@ struct CeresWindow : CeresProblem {
   CeresWindow() : lambdas(window->point_landmarks().size()), plueckers(window->line_landmarks().size()) {
     restart();
     for (Vec<double, 7>& pose : poses) problem.AddParameterBlock(pose.data(), 7, new PoseManifold);
-    problem.AddResidualBlock(new FirstStateCost(window->backend.state(0)), nullptr, poses[0].data(), motions[0].data());
+    problem.AddResidualBlock(new FirstStateCost(window->state(0)), nullptr, poses[0].data(), motions[0].data());
     for (int k = 1; k < keyframes; ++k) {
-      const std::size_t i = std::size_t(window->backend.inertial().previous(k)), j = std::size_t(k);
-      problem.AddResidualBlock(new InertialCost(window->backend.inertial().increment(k).increment()), nullptr,
+      const std::size_t i = std::size_t(window->backend.links().previous(k)), j = std::size_t(k);
+      problem.AddResidualBlock(new InertialCost(window->backend.links().increment(k).increment()), nullptr,
                                poses[i].data(), motions[i].data(), poses[j].data(), motions[j].data());
     }
     for (std::size_t i = 0; i < lambdas.size(); ++i) {
@@ -308,23 +320,24 @@ struct CeresWindow : CeresProblem {
       options.linear_solver_ordering->AddElementToGroup(motions[k].data(), 1);
     }
   }
-  void add_line(const Window<double>::LinesMap::Landmark& landmark, double* line) {
+  void add_line(const Window<double>::LineStore::Landmark& landmark, double* line) {
     problem.AddParameterBlock(line, 6, new LineManifold);
     options.linear_solver_ordering->AddElementToGroup(line, 0);
     for (std::size_t slot = 0; slot < poses.size(); ++slot) {
-      const SegmentObservation<double>& seen = landmark.observations[slot];
+      const auto& seen = landmark.observations[slot];
       if (!seen.valid) continue;
-      add_measurement(landmark, slot, seen.pixels, seen.pixels_L, line);
-      if (seen.has_depth) add_measurement(landmark, slot, seen.depth, seen.depth_L, line);
+      add_measurement(landmark, slot, seen.pixels, line);
+      if (seen.has_depth()) add_measurement(landmark, slot, seen.depth.get(), line);
     }
   }
   template <class Landmark, class Measurement>
-  void add_measurement(const Landmark& landmark, std::size_t slot, const Measurement& measurement,
-                       const Mat<double, 2, 2>& L, double* line) {
+  void add_measurement(const Landmark& landmark, std::size_t slot, const SegmentMeasurement<Measurement>& seen,
+                       double* line) {
     if (int(slot) == landmark.anchor) {
-      problem.AddResidualBlock(new AnchorLineCost<Measurement>(measurement, L), new ceres::HuberLoss(2.45), line);
+      problem.AddResidualBlock(new AnchorLineCost<Measurement>(seen.measured, seen.L), new ceres::HuberLoss(2.45),
+                               line);
     } else {
-      problem.AddResidualBlock(new LineCost<Measurement>(measurement, L), new ceres::HuberLoss(2.45),
+      problem.AddResidualBlock(new LineCost<Measurement>(seen.measured, seen.L), new ceres::HuberLoss(2.45),
                                poses[std::size_t(landmark.anchor)].data(), poses[slot].data(), line);
     }
   }
@@ -333,13 +346,13 @@ struct CeresWindow : CeresProblem {
   template <class S>
   void read(const Window<S>& w) {
     for (int k = 0; k < keyframes; ++k) {
-      const NavState<double> x = w.backend.state(k).template cast<double>();
+      const NavState<double> x = w.state(k).template cast<double>();
       PoseManifold::write(x.T_world_body, poses[std::size_t(k)].data());
       motions[std::size_t(k)] << x.v_world_body, x.bias_gyro, x.bias_accel;
     }
-    for (std::size_t i = 0; i < lambdas.size(); ++i) lambdas[i] = double(w.point_landmarks()[i].inverse_range);
+    for (std::size_t i = 0; i < lambdas.size(); ++i) lambdas[i] = double(w.point_landmarks()[i].geometry.inverse_range);
     for (std::size_t i = 0; i < plueckers.size(); ++i) {
-      LineManifold::write(w.line_landmarks()[i].line.template cast<double>(), plueckers[i].data());
+      LineManifold::write(w.line_landmarks()[i].geometry.line.template cast<double>(), plueckers[i].data());
     }
   }
 };

@@ -9,7 +9,9 @@
 #include "plumbline/backend/sliding_window.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/points.hpp"
+#include "plumbline/motion/constant_velocity.hpp"
 #include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/sensor/rig.hpp"
 #include "plumbline/testing/simulated_points.hpp"
 
 namespace plumbline {
@@ -22,13 +24,12 @@ constexpr int keyframes = 10, points = 150;
 template <class S>
 struct Window {
   using Sensors = Rig<Rgbd<Pinhole<S>>>;
-  using Map = typename Points<points>::Map<Sensors, keyframes>;
-  using Maps = FeatureMaps<Map>;
-  using Backend = WindowBackend<Sensors, Maps, keyframes>;
+  using Landmarks = typename Features<Points<points>>::template Landmarks<Sensors, keyframes>;
+  using Backend = WindowBackend<ConstantVelocity<Sensors>, Landmarks, keyframes>;
 
   Sensors rig;
-  Maps maps{{}};
-  Backend backend{{}};
+  Landmarks landmarks{StoreOptions{}};
+  Backend backend{{}, {}};
 
   /// The first keyframe is exact, it defines the world; the others start 2 cm and 1 degree off.
   Window() {
@@ -42,11 +43,12 @@ struct Window {
       Vec<double, 6> error;
       error << 0.017 * noise.vector<3>(), 0.02 * noise.vector<3>();
       const SE3<S> start = plus(T, Vec<double, 6>(k == 0 ? 0 * error : error)).template cast<S>();
-      const int slot = k == 0 ? backend.start(0, start) : backend.insert(k, start);
-      maps.for_each([&](Map& map) { scene.observe(map, T, slot, noise); });
+      const int slot = k == 0 ? backend.start(0, {start}) : backend.insert(k, {start}, {});
+      scene.observe(landmarks.template get<0>(), T, slot, noise);
     }
   }
-  const typename Map::Landmarks& landmarks() const { return maps.template get<Map>().landmarks(); }
+  LevenbergMarquardtSummary solve() { return backend.optimize(rig, rig.T_body_cam(), landmarks); }
+  const auto& point_landmarks() const { return landmarks.template get<0>().landmarks(); }
 };
 
 #ifdef PLUMBLINE_CERES
@@ -72,12 +74,12 @@ struct CeresWindow : CeresProblem {
   std::vector<Vec<double, 7>> poses{keyframes};
   std::vector<double> lambdas;
 
-  CeresWindow() : lambdas(window->landmarks().size()) {
+  CeresWindow() : lambdas(window->point_landmarks().size()) {
     restart();
     for (Vec<double, 7>& pose : poses) problem.AddParameterBlock(pose.data(), 7, new PoseManifold);
-    problem.AddResidualBlock(new FirstPoseCost(window->backend.window()[0].pose.value()), nullptr, poses[0].data());
+    problem.AddResidualBlock(new FirstPoseCost(window->backend.window().T_world_body(0)), nullptr, poses[0].data());
     for (std::size_t i = 0; i < lambdas.size(); ++i) {
-      add_point(*this, window->rig.vision.camera, window->landmarks()[i], poses, &lambdas[i]);
+      add_point(*this, window->rig.vision.camera, window->point_landmarks()[i], poses, &lambdas[i]);
     }
     for (Vec<double, 7>& pose : poses) options.linear_solver_ordering->AddElementToGroup(pose.data(), 1);
   }
@@ -86,9 +88,9 @@ struct CeresWindow : CeresProblem {
   template <class S>
   void read(const Window<S>& w) {
     for (int k = 0; k < keyframes; ++k) {
-      PoseManifold::write(w.backend.window()[k].pose.value().template cast<double>(), poses[std::size_t(k)].data());
+      PoseManifold::write(w.backend.window().T_world_body(k).template cast<double>(), poses[std::size_t(k)].data());
     }
-    for (std::size_t i = 0; i < lambdas.size(); ++i) lambdas[i] = double(w.landmarks()[i].inverse_range);
+    for (std::size_t i = 0; i < lambdas.size(); ++i) lambdas[i] = double(w.point_landmarks()[i].geometry.inverse_range);
   }
 };
 
