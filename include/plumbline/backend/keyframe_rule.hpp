@@ -20,7 +20,7 @@ struct KeyframeOptions {
 template <SensorRig Sensors>
 constexpr KeyframeOptions default_keyframes() {
   if (!Sensors::has_depth) return {0.7, 0.0656};
-  return {0.5, Sensors::has_imu ? 0.095 : 0.15};
+  return {0.5, Sensors::has_imu ? 0.0933 : 0.15};
 }
 
 /// By parallax and overlap.
