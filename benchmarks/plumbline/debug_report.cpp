@@ -78,7 +78,7 @@ void DebugReport::add(std::size_t number, pl::TimeNs t_ns, const cv::Mat& gray, 
   marks.resize(inspection.features.size());
 
   add_row(number, t_ns, output, inspection, marks);
-  if (output.T_world_body) poses_.push_back({t_ns, *output.T_world_body, inspection.estimate.covariance});
+  if (output.has_pose()) poses_.push_back({t_ns, output.estimate.T_world_body, output.estimate.covariance});
   if (!output.refused) before_ = inspection;
   if (number % options_.every != 0) return;
   std::vector<Mark> all;
@@ -96,11 +96,11 @@ void DebugReport::add_row(std::size_t number, pl::TimeNs t_ns, const FrameOutput
                           const std::vector<std::vector<Mark>>& marks) {
   const pl::Estimate<double>& estimate = now.estimate;
   times_.push_back(t_ns);
-  health_.push_back(output.health);
+  health_.push_back(output.health());
   frames_.set("frame", static_cast<double>(number));
   frames_.set("timestamp_ns", std::to_string(t_ns));
   frames_.set("t_s", pl::seconds_between(times_.front(), t_ns));
-  frames_.set("health", name_of(output.health));
+  frames_.set("health", name_of(output.health()));
   frames_.set("reason", name_of(estimate.health.reason));
   frames_.set("refused", output.refused ? name_of(*output.refused) : "");
   frames_.set("keyframe", estimate.keyframe);
@@ -124,7 +124,7 @@ void DebugReport::add_row(std::size_t number, pl::TimeNs t_ns, const FrameOutput
     frames_.set(kind + "innovation_p90_px", quantile(px, 0.9));
   }
 
-  const bool has_pose = output.T_world_body.has_value();
+  const bool has_pose = output.has_pose();
   frames_.set("sigma_position_m", has_pose ? sigma_of(estimate.covariance, 3) : unknown);
   frames_.set("sigma_rotation_deg", has_pose ? degrees * sigma_of(estimate.covariance, 0) : unknown);
   frames_.set("readout_ms", 1e3 * now.readout_s);

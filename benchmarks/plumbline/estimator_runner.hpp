@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -61,16 +62,11 @@ class EstimatorRunner final : public Runner {
     if constexpr (Sensors::has_depth) frame.depth = plumbline::opencv::view<std::uint16_t>(depth);
     previous_ns_ = estimator_->latest().t_ns;
     const plumbline::Result<plumbline::Estimate<S>> estimate = estimator_->add_frame(frame);
-    FrameOutput out;
-    if (!estimate) {
+    FrameOutput out{to_double(estimator_->latest()), std::nullopt, {}};
+    if (estimate)
+      out.timing = estimator_->timing();
+    else
       out.refused = estimate.error();
-      out.health = estimator_->latest().health.state;
-      return out;
-    }
-    out.health = estimate->health.state;
-    out.timing = estimator_->timing();
-    if (out.health != plumbline::HealthState::initializing)
-      out.T_world_body = estimate->T_world_body.template cast<double>();
     return out;
   }
 

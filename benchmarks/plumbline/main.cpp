@@ -12,10 +12,12 @@
 #include <CLI/CLI.hpp>
 
 #include "evaluate.hpp"
+#include "faults.hpp"
 #include "nearest.hpp"
 #include "run.hpp"
 #include "runner.hpp"
 #include "simulate.hpp"
+#include "starts.hpp"
 
 namespace {
 
@@ -94,6 +96,23 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
       ->capture_default_str();
 }
 
+void add_faults(CLI::App& app, FaultOptions& options) {
+  CLI::App* command = app.add_subcommand("faults", "What becomes of a run whose images or readings fail for a while");
+  command->add_option("--config", options.configs, "Configurations")->required();
+  command->add_option("--dataset", options.datasets, "Folders of recordings with truth")->required();
+  command->add_option("--fault", options.kinds, "Of: " + CLI::detail::join(fault_names(), ", ") + "; all by default");
+  command->add_option("--for", options.durations_s, "Durations of failing images [s]")->capture_default_str();
+  command->add_option("--times", options.times, "Each fault at so many times")->check(CLI::PositiveNumber);
+}
+
+void add_starts(CLI::App& app, StartOptions& options) {
+  CLI::App* command = app.add_subcommand("starts", "How soon and how well runs start, begun at many times");
+  command->add_option("--config", options.configs, "Configurations")->required();
+  command->add_option("--dataset", options.datasets, "Folders of recordings with truth")->required();
+  command->add_option("--every", options.every_s, "Time between two starts [s]")->check(CLI::PositiveNumber);
+  command->add_option("--duration", options.duration_s, "Length of each run [s]")->check(CLI::PositiveNumber);
+}
+
 /// What went wrong, in one line.
 int fail(const std::string& text) {
   std::fprintf(stderr, "plumbline: %s\n", text.substr(0, text.find('\n')).c_str());
@@ -108,16 +127,22 @@ int main(int argc, char* argv[]) {
   RunOptions run_options;
   EvaluateOptions evaluate_options;
   SimulateOptions simulate_options;
+  FaultOptions fault_options;
+  StartOptions start_options;
   app.add_subcommand("list", "Print the names of the configurations");
   add_run(app, run_options);
   add_evaluate(app, evaluate_options);
   add_simulate(app, simulate_options);
+  add_faults(app, fault_options);
+  add_starts(app, start_options);
   try {
     check_names(app, {argv, static_cast<std::size_t>(argc)});
     app.parse(argc, argv);
     if (app.got_subcommand("list")) return list();
     if (app.got_subcommand("run")) return run_configuration(run_options);
     if (app.got_subcommand("evaluate")) return run_evaluate(evaluate_options);
+    if (app.got_subcommand("faults")) return run_faults(fault_options);
+    if (app.got_subcommand("starts")) return run_starts(start_options);
     return run_simulate(simulate_options);
   } catch (const CLI::ParseError& error) {
     return error.get_exit_code() == 0 ? app.exit(error) : fail(error.what());  // 0: --help

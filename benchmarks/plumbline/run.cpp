@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "format.hpp"
-#include "nearest.hpp"
 #include "plumbline/io/output_file.hpp"
 #include "plumbline/io/recording.hpp"
 #include "plumbline/opencv/image_file.hpp"
@@ -19,15 +18,6 @@
 namespace pl = plumbline;
 
 namespace {
-
-const Configuration& configuration_named(const std::string& name) {
-  std::vector<std::string> known;
-  for (const Configuration& configuration : configurations()) {
-    if (name == configuration.name) return configuration;
-    known.push_back(configuration.name);
-  }
-  throw std::runtime_error(unknown_name("configuration", name, known));
-}
 
 struct Images {
   cv::Mat gray, depth;  ///< `depth` is empty where there is none
@@ -50,7 +40,7 @@ void write_timing(std::ofstream& out, pl::TimeNs t_ns, const FrameOutput& frame)
   char row[192];
   std::snprintf(row, sizeof row, "%lld,%.4f,%.4f,%.4f,%.4f,", static_cast<long long>(t_ns), 1e3 * frame.timing.track,
                 1e3 * frame.timing.estimate, 1e3 * frame.timing.map, 1e3 * frame.timing.total);
-  out << row << name_of(frame.health) << '\n';
+  out << row << name_of(frame.health()) << '\n';
 }
 
 void write_ply(std::ofstream& out, const std::vector<pl::Vec<double, 3>>& points) {
@@ -124,9 +114,9 @@ int run_configuration(const RunOptions& options) {
       ++refused;
       progress.note("refused: " + frame.image.string() + ": " + name_of(*output.refused));
     }
-    if (output.T_world_body) {
+    if (output.has_pose()) {
       ++poses;
-      trajectory.add({frame.t_ns, *output.T_world_body});
+      trajectory.add({frame.t_ns, output.estimate.T_world_body});
     }
     if (timing) write_timing(timing->stream(), frame.t_ns, output);
     if (debug) debug->add(read - 1, frame.t_ns, images.gray, output, runner->inspect());

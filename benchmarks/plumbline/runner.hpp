@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -14,16 +15,18 @@
 #include "plumbline/core/result.hpp"
 #include "plumbline/core/time.hpp"
 #include "plumbline/estimator/clock.hpp"
+#include "plumbline/estimator/estimate.hpp"
 #include "plumbline/imu/sample.hpp"
 #include "plumbline/io/calibration_data.hpp"
-#include "plumbline/lie/se3.hpp"
 #include "plumbline/state/health.hpp"
 
 struct FrameOutput {
-  std::optional<plumbline::SE3<double>> T_world_body;  ///< none before initialization, and of a refused frame
-  plumbline::HealthState health = plumbline::HealthState::initializing;
+  plumbline::Estimate<double> estimate;     ///< the one before of a refused frame
   std::optional<plumbline::Error> refused;  ///< why the frame gave no estimate
   plumbline::FrameTiming timing;            ///< [s]
+
+  plumbline::HealthState health() const { return estimate.health.state; }
+  bool has_pose() const { return !refused && health() != plumbline::HealthState::initializing; }
 };
 
 class Runner {
@@ -50,3 +53,5 @@ struct Configuration {
 };
 
 std::span<const Configuration> configurations();
+/// Throws std::runtime_error with the nearest name there is.
+const Configuration& configuration_named(const std::string& name);

@@ -137,9 +137,10 @@ class Estimator {
     if (core_.seen_count() >= options.min_landmarks) {
       core_.images.keep(view, x.T_world_body);
       core_.front_ends.locate(view, core_.window(), core_.landmarks, x.T_world_body);
+    } else if (++lost_frames_ > options.max_blind_frames && core_.look_anew(view)) {
+      lost_frames_ = 0;
     } else {
       core_.landmarks.for_each([](auto& store) { store.undo_frame(); });
-      if (++lost_frames_ > options.max_blind_frames && core_.look_anew(view)) lost_frames_ = 0;
     }
     const Covariance covariance = core_.motion.covariance_grown(latest().covariance);
     core_.publish(view.t_ns);

@@ -1,0 +1,92 @@
+#include "trial.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "plumbline/io/recording.hpp"
+#include "plumbline/opencv/image_file.hpp"
+#include "truth_comparison.hpp"
+
+namespace pl = plumbline;
+
+LoadedRecording load_recording(const std::filesystem::path& directory, const Needs& needs) {
+  pl::io::Recording recording = pl::io::Recording::open(directory);
+  const auto require = [&](bool there, const char* what) {
+    if (!there) throw std::runtime_error(directory.string() + " has no " + what);
+  };
+  require(!needs.depth || recording.has_depth(), "depth images with a scale");
+  require(!needs.imu || recording.has_imu(), "IMU samples with their noise and T_body_camera");
+  const auto truth = recording.read_groundtruth(needs.imu);
+  require(truth.has_value(), "true trajectory");
+  LoadedRecording out{directory.filename().string(), recording.calibration(), *truth, {}};
+  pl::io::Recording::Sample sample;
+  while (recording.next(sample)) {
+    if (const auto* imu = std::get_if<pl::ImuSample>(&sample)) {
+      if (needs.imu) out.events.emplace_back(*imu);
+      continue;
+    }
+    const auto& frame = std::get<pl::io::FrameSample>(sample);
+    Picture picture{frame.t_ns, pl::opencv::read_gray(frame.image), {}};
+    if (needs.depth && frame.depth) picture.depth = pl::opencv::read_depth(*frame.depth);
+    out.events.emplace_back(picture);
+  }
+  require(recording.frame_count() > 0, "frames");
+  out.begin_ns = recording.frames().front().t_ns;
+  out.end_ns = recording.frames().back().t_ns;
+  return out;
+}
+
+bool JudgedFrame::is_false() const {
+  constexpr double limit = 3.762;  // square root of 14.16
+  return estimate.health.state == pl::HealthState::tracking && (position_sigmas > limit || rotation_sigmas > limit);
+}
+
+std::vector<JudgedFrame> run_trial(const Configuration& configuration, const LoadedRecording& recording,
+                                   pl::TimeNs begin_ns, pl::TimeNs end_ns, const Spoil& spoil) {
+  const auto runner = configuration.make(recording.calibration);
+  std::vector<JudgedFrame> frames;
+  std::vector<EstimatedPose> poses;
+  for (Event event : recording.events) {
+    const auto t_ns = std::visit([](const auto& e) { return e.t_ns; }, event);
+    if (t_ns < begin_ns || t_ns > end_ns + 20'000'000 || !spoil(event)) continue;
+    if (const auto* imu = std::get_if<pl::ImuSample>(&event)) {
+      runner->add_imu(*imu);
+      continue;
+    }
+    const Picture& picture = std::get<Picture>(event);
+    if (picture.t_ns > end_ns) break;
+    const FrameOutput output = runner->add_frame(picture.t_ns, picture.gray, picture.depth);
+    if (output.refused) continue;
+    frames.push_back({picture.t_ns, output.estimate, std::nan(""), std::nan(""), std::nan("")});
+    if (output.has_pose() && output.health() != pl::HealthState::lost)
+      poses.push_back({picture.t_ns, output.estimate.T_world_body, output.estimate.covariance});
+  }
+  std::size_t next = 0;
+  for (const TruthError& each : compare_with_truth(recording.truth, poses, configuration.needs.imu)) {
+    while (frames[next].t_ns != each.t_ns) ++next;
+    frames[next].error_m = each.error.tail<3>().norm();
+    frames[next].position_sigmas = std::sqrt(each.nees_position);
+    frames[next].rotation_sigmas = std::sqrt(each.nees_rotation);
+  }
+  return frames;
+}
+
+double ate_of(const std::vector<JudgedFrame>& frames) {
+  double sum = 0;
+  int n = 0;
+  for (const JudgedFrame& frame : frames) {
+    if (!std::isfinite(frame.error_m)) continue;
+    sum += frame.error_m * frame.error_m;
+    ++n;
+  }
+  return n > 0 ? std::sqrt(sum / n) : std::nan("");
+}
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return std::nan("");
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}

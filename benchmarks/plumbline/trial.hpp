@@ -1,0 +1,58 @@
+#pragma once
+/// Many runs of one recording, each spoiled in another way: the recording in memory, a run, and how it went.
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "plumbline/core/time.hpp"
+#include "plumbline/imu/sample.hpp"
+#include "plumbline/io/calibration_data.hpp"
+#include "plumbline/io/trajectory.hpp"
+#include "runner.hpp"
+
+struct Picture {
+  plumbline::TimeNs t_ns;
+  cv::Mat gray, depth;  ///< `depth` is empty where there is none
+};
+using Event = std::variant<plumbline::ImuSample, Picture>;
+
+struct LoadedRecording {
+  std::string name;
+  plumbline::io::Calibration calibration;
+  plumbline::io::Trajectory truth;             ///< of what a run estimates: body with an IMU, camera without
+  std::vector<Event> events;                   ///< in order of time
+  plumbline::TimeNs begin_ns = 0, end_ns = 0;  ///< first and last frame
+};
+
+/// Throws std::runtime_error where the recording lacks what is needed, or truth.
+LoadedRecording load_recording(const std::filesystem::path& directory, const Needs& needs);
+
+/// Changes an event; false: it is left out.
+using Spoil = std::function<bool(Event&)>;
+
+/// A frame of a run beside the truth.
+struct JudgedFrame {
+  plumbline::TimeNs t_ns;
+  plumbline::Estimate<double> estimate;
+  double error_m = 0;  ///< after aligning all poses; NaN where there is no pose or no truth
+  double position_sigmas = 0, rotation_sigmas = 0;  ///< of the error since the first pose, by the covariance
+  /// `tracking` promises that the truth is within 3 sigma: 99.7 % of three degrees of freedom.
+  bool is_false() const;
+};
+
+/// Runs the events from begin_ns to end_ns.
+std::vector<JudgedFrame> run_trial(const Configuration& configuration, const LoadedRecording& recording,
+                                   plumbline::TimeNs begin_ns, plumbline::TimeNs end_ns, const Spoil& spoil);
+
+/// Root mean square of the errors [m]; NaN of no poses.
+double ate_of(const std::vector<JudgedFrame>& frames);
+
+/// Middle of values; NaN of none.
+double median_of(std::vector<double> values);

@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# Images that fail for a while, on a recording with truth: an IMU bridges them, and the error afterwards is that of the
+# run without.
+# shellcheck source=tests/program/expect.sh
+source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
+data=$2
+
+"$plumbline" faults --config mono-imu/points/window --dataset "$data/euroc_mh01_flight" --fault black missing \
+  --for 0.2 0.5 --times 3 > table.txt || fail "faults ends with an error"
+cat table.txt
+# Columns: fault, length, s, median, worst, ratio of the worst, ...
+awk '/^(black|missing) / {++rows; if (!($6 < 1.5)) bad = 1} END {exit bad || rows != 4}' table.txt ||
+  fail "a gap of half a second costs more than half of the accuracy"
+
+"$plumbline" starts --config mono-imu/points/window --dataset "$data/euroc_mh01_flight" --every 8 > starts.txt ||
+  fail "starts ends with an error"
+cat starts.txt
+grep -Eq '^[0-9]+ starts: ' starts.txt || fail "no summary of the starts"
+finish
