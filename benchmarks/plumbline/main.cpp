@@ -91,6 +91,7 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
   command->add_option("--out", options.out, "Folder to make")->required();
   command->add_option("--seed", options.seed, "Of the surfaces, the motion and the noise")->capture_default_str();
   command->add_option("--duration", options.duration_s, "Length [s]")->capture_default_str();
+  command->add_option("--stop", options.stop_s, "Begin and end of a stop on the way [s]")->expected(2);
   command->add_option("--imu", options.imu, "One of: " + CLI::detail::join(imu_names(), ", "))->capture_default_str();
   command->add_option("--layout", options.layout, "One of: " + CLI::detail::join(layout_names(), ", "))
       ->capture_default_str();

@@ -243,9 +243,10 @@ ImuQuality imu_quality(const std::string& name) {
 
 void simulate(const SimulateOptions& options) {
   const std::optional<Scene> scene = make_scene(options.scene, options.seed);
-  const std::optional<Trajectory> trajectory = Trajectory::for_scene(options.scene, options.seed);
+  std::optional<Trajectory> trajectory = Trajectory::for_scene(options.scene, options.seed);
   if (!scene || !trajectory) throw_unknown("scene", options.scene, ::scene_names());
   if (options.layout != "tum" && options.layout != "euroc") throw_unknown("layout", options.layout, layout_names());
+  if (options.stop_s.size() == 2) trajectory->stop(options.stop_s[0], options.stop_s[1]);
   const ImuQuality imu = imu_quality(options.imu);
   constexpr double longest_s = 3600;
   if (!(options.duration_s >= 1.0 / camera_rate_hz && options.duration_s <= longest_s)) {

@@ -11,6 +11,7 @@ struct SimulateOptions {
   std::filesystem::path out;    ///< folder to create; must not exist or be empty
   std::uint64_t seed = 1;       ///< of the surfaces, the motion and the noise
   double duration_s = 20;       ///< [s]; 20 frames each second
+  std::vector<double> stop_s;   ///< begin and end of a stop on the way [s]; empty: none
   std::string imu = "default";  ///< one of imu_names(): the quality of the sensor
   std::string layout = "tum";   ///< one of layout_names(): tum (RGB-D) or euroc (one distorted gray camera)
 };

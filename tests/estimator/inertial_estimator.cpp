@@ -145,7 +145,8 @@ TEST_CASE("inertial_estimator: a flight that begins in the air") {
   REQUIRE(run.init.stage == InitStage::done);
   REQUIRE(1e-9 * double(run.init.done_ns) - run.begin_s < 2.5);
   REQUIRE(run.ate(0, 14) < 0.10);
-  REQUIRE(run.part(HealthState::tracking, 3, 14) == 1);
+  REQUIRE(run.part(HealthState::initializing, 2.5, 14) == 0);
+  REQUIRE(run.part(HealthState::tracking, 5.5, 14) == 1);  // once the scale is certain
   // What is known of this sensor: 0.08 rad/s about z.
   REQUIRE((run.estimates.back().bias_gyro - Vec<double, 3>(-0.002, 0.021, 0.077)).norm() < 0.005);
 }
@@ -161,6 +162,20 @@ TEST_CASE("inertial_estimator: images that stop coming") {
   REQUIRE(run.part(HealthState::tracking, 6 + pause + 1, 14) > 0.95);
   REQUIRE(after < 0.15);
   REQUIRE(whole < (pause < 1 ? 0.15 : 0.6));  // no jump of the frame
+}
+
+TEST_CASE("inertial_estimator: black images for a blink of the lamp leave no trace") {
+  if (no_data()) return;
+  const double dark_s = GENERATE(0.2, 0.3, 0.5);
+  Trouble trouble;
+  trouble.image = [dark_s](double t, cv::Mat& image) {
+    if (during(t, 6, 6 + dark_s)) image.setTo(0);
+    return true;
+  };
+  const Flight run(trouble);
+  CAPTURE(dark_s, run.ate(0, 14));
+  REQUIRE(run.ate(0, 14) < 0.10);  // that of the whole flight
+  REQUIRE(run.part(HealthState::tracking, 6 + dark_s + 0.5, 14) == 1);
 }
 
 TEST_CASE("inertial_estimator: two seconds of black images are bridged, and said to be") {

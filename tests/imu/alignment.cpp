@@ -120,8 +120,8 @@ TEST_CASE("alignment: says what is missing") {
   {
     const test::SimulatedAlignment<double> s(1, 1, zero, zero, 10, false);
     const InertialAlignment<double, 10> a = align_inertial<10>(s.span(), s.T_body_cam);
-    REQUIRE((a.outcome == AlignmentOutcome::too_little_excitation && a.excitation < 1e-9));
-    REQUIRE(std::string_view(name_of(a.outcome)) == "too little excitation");
+    REQUIRE((a.outcome == AlignmentOutcome::scale_uncertain && a.excitation < 1e-9));  // it could have any
+    REQUIRE((!a.is_rough() && std::string_view(name_of(a.outcome)) == "scale uncertain"));
     REQUIRE(align_inertial<10>(s.span(), s.T_body_cam, {.metric = true}).outcome == AlignmentOutcome::aligned);
   }
   {

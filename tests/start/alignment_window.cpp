@@ -30,7 +30,7 @@ TEMPLATE_TEST_CASE("alignment_window: frames closer than the interval are joined
     CAPTURE(joined);
     AlignmentWindow<S> window;
     for (std::size_t k = 0; k < s.frames.size(); ++k) {
-      const bool is_pose = window.add(s.frames[k].T_ref_cam, s.imu[k], (joined - 0.1) * step_s);
+      const bool is_pose = window.add(TimeNs(k), s.frames[k].T_ref_cam, s.imu[k], (joined - 0.1) * step_s);
       REQUIRE(is_pose == (int(k) % joined == 0));
     }
     const auto found = window.align(s.T_body_cam.template cast<S>(), exact_poses<S>(), standard_gravity<double>);
@@ -42,27 +42,52 @@ TEMPLATE_TEST_CASE("alignment_window: frames closer than the interval are joined
   }
 }
 
-TEST_CASE("alignment_window: the newest poses are kept when there is no more room") {
+TEST_CASE("alignment_window: when there is no more room every second pose goes, the newest stays") {
   using Window = AlignmentWindow<double>;
   const int count = Window::capacity + 6;
   const test::SimulatedAlignment<double> s(2, 1.5, {0.02, -0.01, 0.05}, {0.1, 0.2, -0.15}, count);
   Window window;
-  for (std::size_t k = 0; k < s.frames.size(); ++k) REQUIRE(window.add(s.frames[k].T_ref_cam, s.imu[k], 0.9 * step_s));
+  int poses = 0;
+  for (std::size_t k = 0; k < s.frames.size(); ++k)
+    poses += window.add(TimeNs(k), s.frames[k].T_ref_cam, s.imu[k], 0.9 * step_s);
+  REQUIRE(poses == Window::capacity + 3);  // from then on at twice the interval
   const auto found = window.align(s.T_body_cam, exact_poses<double>(), standard_gravity<double>);
   REQUIRE(found);
-  REQUIRE(found.v_world_body.size() == std::size_t(Window::capacity));
+  REQUIRE(found.v_world_body.size() == std::size_t(Window::capacity) / 2 + 3);
   REQUIRE(found.scale == Approx(1.5).epsilon(1e-3));
-  // The first of them is the seventh of all: the world of the alignment differs by a rotation about gravity.
-  REQUIRE(found.v_world_body[0].norm() == Approx(s.truth[6].v_world_body.norm()).epsilon(1e-2));
+  // The first of them is the second of all: the world of the alignment differs by a rotation about gravity.
+  REQUIRE(found.v_world_body[0].norm() == Approx(s.truth[1].v_world_body.norm()).epsilon(1e-2));
+}
+
+TEST_CASE("alignment_window: beyond the longest interval the oldest pose goes") {
+  using Window = AlignmentWindow<double>;
+  const test::SimulatedAlignment<double> s(3, 1, {0, 0, 0}, {0, 0, 0});
+  Window window;
+  for (int k = 0; k < 8 * Window::capacity; ++k) window.add(TimeNs(k), s.frames[1].T_ref_cam, s.imu[1], 0.9 * step_s);
+  const auto found = window.align(s.T_body_cam, exact_poses<double>(), standard_gravity<double>);
+  REQUIRE(found.outcome != AlignmentOutcome::too_few_frames);
+}
+
+TEST_CASE("alignment_window: poses that were solved for again") {
+  const test::SimulatedAlignment<double> s(1, 1.5, {0.02, -0.01, 0.05}, {0.1, 0.2, -0.15}, 17);
+  AlignmentWindow<double> window;
+  for (std::size_t k = 0; k < s.frames.size(); ++k) window.add(TimeNs(k), SE3<double>(), s.imu[k], 0.9 * step_s);
+  REQUIRE(!window.align(s.T_body_cam, exact_poses<double>(), standard_gravity<double>));
+  for (std::size_t k = 0; k < s.frames.size(); ++k) window.correct(TimeNs(k), s.frames[k].T_ref_cam);
+  window.correct(99, SE3<double>());  // no pose of the window
+  const auto found = window.align(s.T_body_cam, exact_poses<double>(), standard_gravity<double>);
+  REQUIRE(found);
+  REQUIRE(found.scale == Approx(1.5).epsilon(1e-3));
 }
 
 TEST_CASE("alignment_window: a new series has forgotten the old one") {
   const test::SimulatedAlignment<double> s(3, 1, {0, 0, 0}, {0, 0, 0});
   AlignmentWindow<double> window;
-  for (std::size_t k = 0; k < s.frames.size(); ++k) window.add(s.frames[k].T_ref_cam, s.imu[k], 0.9 * step_s);
+  for (std::size_t k = 0; k < s.frames.size(); ++k)
+    window.add(TimeNs(k), s.frames[k].T_ref_cam, s.imu[k], 0.9 * step_s);
   window.clear();
-  REQUIRE(
-      window.add(s.frames[0].T_ref_cam, s.imu[0], 0.9 * step_s));  // the first pose of a series, whatever its interval
+  REQUIRE(window.add(0, s.frames[0].T_ref_cam, s.imu[0],
+                     0.9 * step_s));  // the first pose of a series, whatever its interval
   const auto found = window.align(s.T_body_cam, exact_poses<double>(), standard_gravity<double>);
   REQUIRE(found.outcome == AlignmentOutcome::too_few_frames);
 }

@@ -84,8 +84,10 @@ ShakenRun shaken_run(std::uint64_t seed, double max_bias = InertialStartOptions{
     const bool is_done = vio->init_report().stage == InitStage::done;
     if (!is_done) out.waiting_s = std::max(out.waiting_s, vio->timing().total);
     if (is_done && !was_done) out.start_s = vio->timing().total;
-    if (estimate->health.state != HealthState::tracking) continue;
-    REQUIRE(is_done);
+    if (!is_done) {
+      REQUIRE(estimate->health.state != HealthState::tracking);
+      continue;
+    }
     pairs.push_back({frame.t_ns, trajectory.at(t).T_world_body, estimate->T_world_body});
   }
   out.report = vio->init_report();

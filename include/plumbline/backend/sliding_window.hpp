@@ -94,22 +94,26 @@ class WindowBackend {
     set_prior(oldest, J);
   }
 
-  /// From now on the distance between two frames defines the unit of length: without depth or an IMU nothing else does.
-  ///   d|p_j - p_i|/|p_j - p_i| = u^T (R_j dp_j - R_i dp_i)/|p_j - p_i|,  u its direction
-  void hold_scale(int i, int j) {
+  /// The distance between two frames is what it is, with a sigma [m].
+  ///   d|p_j - p_i| = u^T (R_j dp_j - R_i dp_i),  u its direction
+  void hold_distance(int i, int j, double sigma) {
     const SE3<S>&T_i = window_.T_world_body(i), &T_j = window_.T_world_body(j);
-    const Vec<S, 3> between = T_j.p() - T_i.p();
-    const double weight = 1 / (options_.sigma_first_scale * double(between.norm()));
-    const Vec<S, 3> u = between.normalized(), u_i = T_i.rotation().inverse() * u, u_j = T_j.rotation().inverse() * u;
+    const Vec<S, 3> u = (T_j.p() - T_i.p()).normalized();
+    const Vec<S, 3> u_i = T_i.rotation().inverse() * u, u_j = T_j.rotation().inverse() * u;
     Mat<double, 1, Layout::dim> J_i, J_j;
     J_i.setZero();
     J_j.setZero();
     constexpr int position = 3;  // of the pose's increment
     for (int k = 0; k < 3; ++k) {
-      J_i(0, position + k) = -weight * double(u_i[k]);
-      J_j(0, position + k) = weight * double(u_j[k]);
+      J_i(0, position + k) = -double(u_i[k]) / sigma;
+      J_j(0, position + k) = double(u_j[k]) / sigma;
     }
     prior_.add(window_, i, J_i, j, J_j);
+  }
+  /// From now on the distance between two frames defines the unit of length: without depth or an IMU nothing else does.
+  void hold_scale(int i, int j) {
+    const double distance = double((window_.T_world_body(j).p() - window_.T_world_body(i).p()).norm());
+    hold_distance(i, j, options_.sigma_first_scale * distance);
   }
 
   /// A frame with its link to an earlier one. The window must not be full.

@@ -1,12 +1,16 @@
 #pragma once
 /// From nothing to a map and, with an IMU, to metres: drives a start (start/) with what the odometry sees.
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
 #include "plumbline/estimator/estimate.hpp"
 #include "plumbline/feature/view.hpp"
+#include "plumbline/imu/gravity.hpp"
+#include "plumbline/lie/se3.hpp"
 #include "plumbline/solver/levenberg_marquardt.hpp"
 #include "plumbline/start/start_report.hpp"
 #include "plumbline/state/health.hpp"
@@ -27,8 +31,46 @@ class Beginning {
   bool has_first_view() const { return stage_ != Stage::nothing; }
   bool has_map() const { return stage_ == Stage::map; }
 
+  /// Whether images and readings have told the scale for so short a time that it may still be wrong.
+  bool is_settling(TimeNs t_ns) const {
+    if constexpr (!is_complete && Start::needs_second_view)
+      return report_.stage == InitStage::done && seconds_between(report_.done_ns, t_ns) < start_.options().settling_s;
+    else
+      return false;
+  }
+
   /// Frames without a pose, after which all begins anew. Poses are aligned with readings in an unbroken series.
   int patience(int max_lost_frames) const { return is_complete ? max_lost_frames : 0; }
+
+  /// All begins anew at the pose that is published: what comes continues its place and heading, and knows no more of
+  /// them. A body that nothing tells of may have moved.
+  void continue_from(Odometry& odometry, const View<Sensors>& view) {
+    using Covariance = typename Odometry::Covariance;
+    const Estimate<S>& estimate = odometry.estimate;
+    const SO3<S>& R = estimate.T_world_body.rotation();
+    Covariance P = estimate.covariance;
+    if constexpr (is_complete) {
+      const auto& options = odometry.options.recovery;
+      const S blind_s = S(odometry.blind_s(view.t_ns));
+      for (int k = 0; k < 6; ++k) {
+        const S moved = blind_s * S(k < 3 ? options.lost_rate : options.lost_speed);
+        P(k, k) += moved * moved;
+      }
+    } else {
+      // Gravity shows again: of the rotation the heading stays uncertain, about the vertical u.
+      const Vec<S, 3> u = R.inverse() * Vec<S, 3>::UnitZ();
+      const S heading = u.dot(Vec<S, 3>(block<3, 3>(P, 0, 0) * u));
+      for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) {
+          P(i, k) = heading * u[i] * u[k];
+          P(i, 3 + k) = P(3 + k, i) = S(0);
+        }
+      }
+      const Vec<S, 3> g = R.inverse() * gravity_in_world<S>(S(odometry.options.motion.gravity));
+      T_world_start_ = SE3<S>(R * upright<S>(g).inverse(), estimate.T_world_body.p());
+    }
+    odometry.continue_from(P);
+  }
 
   /// The first keyframe of all.
   void take_first_view(Odometry& odometry, const View<Sensors>& view) {
@@ -95,8 +137,8 @@ class Beginning {
       odometry.publish(view.t_ns);
       const int first = odometry.keyframe();
       odometry.make_keyframe(view);
+      odometry.backend.hold_scale(first, odometry.keyframe());
       if constexpr (is_complete) {
-        odometry.backend.hold_scale(first, odometry.keyframe());
         finish(view);
       } else {
         wait(odometry, HealthReason::aligning, InitStage::aligning);
@@ -105,7 +147,8 @@ class Beginning {
     }
   }
 
-  /// One frame of a map that is not metric yet: a pose for the alignment. True when that is worth trying.
+  /// One frame of a map that is not metric yet: a pose for the alignment. True when that is worth trying; the frame
+  /// becomes a keyframe first.
   bool gather(Odometry& odometry, const View<Sensors>& view) {
     if constexpr (is_complete) {
       // Points that are there for the start alone go when the others carry the estimate.
@@ -115,20 +158,24 @@ class Beginning {
       return false;
     } else {
       wait(odometry, HealthReason::aligning, InitStage::aligning);
-      return start_.add(T_world_cam(odometry, view), odometry.motion.imu().since_frame());
+      publish_rough(odometry);
+      return start_.add(view.t_ns, T_world_cam(odometry, view), odometry.motion.imu().since_frame());
     }
   }
   /// Vision and IMU agree, perhaps: then the map becomes metric.
   void align(Odometry& odometry, const View<Sensors>& view) {
     if constexpr (!is_complete) {
       const SE3<S>& T_body_cam = odometry.rig_state.T_body_cam();
-      if (!start_.align(T_body_cam, odometry.options.motion.gravity, report_)) return;
-      if (!odometry.estimate.keyframe) odometry.make_keyframe(view);
+      const auto& window = odometry.window();
+      for (int slot = 0; slot < window.slots; ++slot) {
+        if (window[slot].used) start_.correct(window[slot].t_ns, window.T_world_body(slot) * view.T_body_cam);
+      }
+      if (!start_.align(T_body_cam, odometry.options.motion.gravity, report_)) return publish_rough(odometry);
       const State before = odometry.window().latest();
       odometry.landmarks.for_each([&](auto& store) { store.rescale(start_.scale()); });
-      odometry.backend.restart(
-          [&](int slot) { return start_.state_of(odometry.window().T_world_body(slot), T_body_cam); },
-          start_.prior_on_biases());
+      odometry.backend.restart([&](int slot) { return state_of(odometry.window().T_world_body(slot), T_body_cam); },
+                               start_.prior_on_biases());
+      hold_scale(odometry);
       LevenbergMarquardtOptions solver = odometry.options.backend.solver;
       solver.max_iterations *= 2;
       odometry.backend.optimize(odometry.rig, T_body_cam, odometry.landmarks, solver);
@@ -160,13 +207,54 @@ class Beginning {
     report_.done_ns = view.t_ns;
   }
 
+  /// What vision has at T_ref_turned, in the world that is published.
+  State state_of(const SE3<S>& T_ref_turned, const SE3<S>& T_body_cam) const {
+    State x = start_.state_of(T_ref_turned, T_body_cam);
+    x.T_world_body = T_world_start_ * x.T_world_body;
+    return x;
+  }
+
   static SE3<S> T_world_cam(const Odometry& odometry, const View<Sensors>& view) {
     return odometry.window().latest().T_world_body * view.T_body_cam;
   }
   void begin_series(Odometry& odometry, const View<Sensors>& view) {
     if constexpr (!is_complete) {
       start_.clear();
-      start_.add(T_world_cam(odometry, view), odometry.motion.imu().since(odometry.window().latest()));
+      start_.add(view.t_ns, T_world_cam(odometry, view), odometry.motion.imu().since(odometry.window().latest()));
+    }
+  }
+
+  /// Before the scale is certain: the pose in the metres that are known so far.
+  void publish_rough(Odometry& odometry) {
+    if (!start_.has_estimate()) return;
+    const State x = state_of(odometry.window().latest().T_world_body, odometry.rig_state.T_body_cam());
+    Estimate<S>& estimate = odometry.estimate;
+    estimate.T_world_body = x.T_world_body;
+    estimate.v_world_body = T_world_start_.rotation() * start_.latest_velocity();
+    estimate.bias_gyro = x.bias_gyro;
+    estimate.bias_accel = x.bias_accel;
+    const S tilt = S(start_.gravity_sigma());
+    const S position =
+        S(start_.scale_sigma()) * x.T_world_body.p().norm() + S(odometry.options.motion.rest_position_sigma);
+    estimate.covariance.setZero();
+    for (int k = 0; k < 3; ++k) {
+      estimate.covariance(k, k) = tilt * tilt;
+      estimate.covariance(3 + k, 3 + k) = position * position;
+    }
+    odometry.set_health(HealthState::degraded, HealthReason::scale_uncertain);
+  }
+  /// What the alignment knows of the scale, the window alone might not; its poses have errors in common, so not too
+  /// tight.
+  void hold_scale(Odometry& odometry) {
+    if constexpr (Start::needs_second_view) {
+      const auto& window = odometry.window();
+      const int oldest = window.oldest(), newest = window.newest();
+      const double distance = double((window.T_world_body(newest).p() - window.T_world_body(oldest).p()).norm());
+      constexpr double min_scale_sigma = 0.05;
+      const double noise = start_.options().alignment.position_sigma * double(start_.scale());
+      if (oldest != newest)
+        odometry.backend.hold_distance(oldest, newest,
+                                       std::hypot(std::max(start_.scale_sigma(), min_scale_sigma) * distance, noise));
     }
   }
 
@@ -193,7 +281,7 @@ class Beginning {
       x.bias_accel = known.bias_accel;
       odometry.window().set_latest(x);
       Estimate<S>& estimate = odometry.estimate;
-      estimate.T_world_body = known.T_world_body;
+      estimate.T_world_body = T_world_start_ * known.T_world_body;
       estimate.v_world_body.setZero();
       estimate.bias_gyro = known.bias_gyro;
       estimate.bias_accel = known.bias_accel;
@@ -209,6 +297,7 @@ class Beginning {
   }
 
   Start start_;
+  SE3<S> T_world_start_;  ///< with an IMU: where all began anew, upright
   Stage stage_ = Stage::nothing;
   TimeNs first_view_ns_ = 0;
   InitReport report_;

@@ -63,6 +63,8 @@ class Estimator {
         beginning_.look_for_second_view(core_, view, predicted.state);
       } else {
         go_on(view, predicted, begin);
+        if (beginning_.is_settling(view.t_ns) && latest().health.state == HealthState::tracking)
+          core_.set_health(HealthState::degraded, HealthReason::scale_uncertain);
       }
     }
     timing_.total = TimeSource::now() - begin;
@@ -101,7 +103,7 @@ class Estimator {
       } else {
         core_.solve_alone(view, x, covariance);
         const bool worth_aligning = beginning_.gather(core_, view);
-        if (core_.needs_keyframe(view.t_ns)) core_.make_keyframe(view);
+        if (core_.needs_keyframe(view.t_ns) || worth_aligning) core_.make_keyframe(view);
         if (worth_aligning) beginning_.align(core_, view);
       }
       if (lost_frames_ > 0) core_.motion.lose();
@@ -111,12 +113,17 @@ class Estimator {
   }
 
   /// The images do not say where the frame is: the IMU bridges them, or the next ones are tried against the last good
-  /// one; then all begins anew.
+  /// one; then all begins anew where the body is thought to be.
   void recover(const View<Sensors>& view, const State& predicted, HealthReason lacks) {
+    const RecoveryOptions& options = core_.options.recovery;
     core_.motion.lose();
-    if (core_.motion.carries_on()) return coast(view, predicted);
+    if (core_.motion.carries_on()) {
+      const bool shows_enough = coast(view, predicted, lacks);
+      if (latest().health.state == HealthState::lost && shows_enough) begin_anew(view);
+      return;
+    }
     ++lost_frames_;
-    if (lost_frames_ <= beginning_.patience(core_.options.recovery.max_lost_frames)) {
+    if (lost_frames_ <= beginning_.patience(options.max_lost_frames)) {
       core_.landmarks.for_each([](auto& store) { store.undo_frame(); });
       core_.estimate.t_ns = view.t_ns;
       core_.estimate.keyframe = false;
@@ -124,20 +131,30 @@ class Estimator {
       core_.set_health(HealthState::lost, lacks);
       return;
     }
-    if (latest().health.state != HealthState::initializing) ++core_.estimate.resets;
+    begin_anew(view);
+  }
+
+  void begin_anew(const View<Sensors>& view) {
+    if (latest().health.state != HealthState::initializing) {
+      ++core_.estimate.resets;
+      beginning_.continue_from(core_, view);
+    }
     lost_frames_ = 0;
     beginning_.take_first_view(core_, view);
   }
 
   /// The motion model alone. Where the image shows enough its features are followed, and located as soon as there is
-  /// parallax; where it does not for long, what was seen before is out of sight.
-  void coast(const View<Sensors>& view, const State& x) {
+  /// parallax; where it does not for long, what was seen before is out of sight. What contradicts the readings is of no
+  /// use. True when the image shows enough to begin with.
+  bool coast(const View<Sensors>& view, const State& x, HealthReason lacks) {
     const RecoveryOptions& options = core_.options.recovery;
     core_.window().set_latest(x);
-    if (core_.seen_count() >= options.min_landmarks) {
+    bool shows_enough = core_.seen_count() >= options.min_landmarks;
+    if (shows_enough && lacks != HealthReason::imu_disagrees) {
       core_.images.keep(view, x.T_world_body);
       core_.front_ends.locate(view, core_.window(), core_.landmarks, x.T_world_body);
-    } else if (++lost_frames_ > options.max_blind_frames && core_.look_anew(view)) {
+    } else if (!shows_enough && ++lost_frames_ > options.max_blind_frames && core_.look_anew(view)) {
+      shows_enough = true;
       lost_frames_ = 0;
     } else {
       core_.landmarks.for_each([](auto& store) { store.undo_frame(); });
@@ -147,7 +164,9 @@ class Estimator {
     core_.estimate.covariance = covariance;
     core_.estimate.tracked = 0;
     const bool lost = !(core_.blind_s(view.t_ns) < options.max_coasting_s);
-    core_.set_health(lost ? HealthState::lost : HealthState::degraded, HealthReason::coasting);
+    core_.set_health(lost ? HealthState::lost : HealthState::degraded,
+                     lacks == HealthReason::imu_disagrees ? lacks : HealthReason::coasting);
+    return shows_enough;
   }
 
   Core core_;

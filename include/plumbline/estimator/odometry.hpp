@@ -123,8 +123,10 @@ class Odometry {
       front_ends.refine(view, window(), landmarks, T);
       lacks = refine();
     }
-    if (lacks == HealthReason::none) find_readout(view, T);
-    return lacks;
+    if (lacks != HealthReason::none) return lacks;
+    if (motion.contradicts(predicted, T)) return HealthReason::imu_disagrees;
+    find_readout(view, T);
+    return HealthReason::none;
   }
 
   void turn_shutter(View<Sensors>& view) const {
@@ -139,8 +141,7 @@ class Odometry {
     images.keep(view, x.T_world_body);
     publish(view.t_ns);
     // The keyframe's uncertainty, carried over to this body, plus that of the motion since.
-    const Covariance Ad = (x.T_world_body.inverse() * window().T_world_body(keyframe_)).adjoint();
-    estimate.covariance = Ad * keyframe_covariance_ * Ad.transpose() + covariance;
+    publish(carried(keyframe_covariance_, window().T_world_body(keyframe_), x.T_world_body) + covariance);
     front_ends.locate(view, window(), landmarks, x.T_world_body);
     good_ns_ = view.t_ns;
   }
@@ -164,8 +165,13 @@ class Odometry {
   /// when the next one comes, unless it is a keyframe.
   void solve_with_window(const View<Sensors>& view, const State& x) {
     const State before = window().latest();
-    drop_temporary();
+    const bool rested = motion.at_rest();
     const bool keyframe = needs_keyframe(view.t_ns);
+    if (rested && !motion.at_rest()) {
+      keep_temporary(view);
+    } else {
+      drop_temporary();
+    }
     const int slot = backend.insert(view.t_ns, x, motion.link(keyframe_));
     if (keyframe) {
       front_ends.detect(view, window(), landmarks, slot);
@@ -180,7 +186,9 @@ class Odometry {
     front_ends.locate(view, window(), landmarks, T);
     good_ns_ = view.t_ns;
     publish(view.t_ns);
-    if (!backend.covariance_of_newest(estimate.covariance)) estimate.covariance.setIdentity();
+    Covariance covariance;
+    if (!backend.covariance_of_newest(covariance)) covariance.setIdentity();
+    publish(covariance);
     if (keyframe) {
       adopt_keyframe(view, slot);
       make_room(view);
@@ -196,9 +204,9 @@ class Odometry {
     keyframe_ = slot;
     tracked_at_keyframe_ = tracked_count();
     motion.begin_link(x);
-    if (backend.covariance_of_newest(keyframe_covariance_)) estimate.covariance = keyframe_covariance_;
     estimate.T_world_body = x.T_world_body;
     estimate.keyframe = true;
+    if (backend.covariance_of_newest(keyframe_covariance_)) publish(keyframe_covariance_);
   }
   /// For the next frame: a keyframe goes to the map when the window is full.
   void make_room(const View<Sensors>& view) {
@@ -211,6 +219,13 @@ class Odometry {
   void drop_temporary() {
     if (temporary_ != none) backend.drop(landmarks, temporary_);
     temporary_ = none;
+  }
+
+  /// The last frame of a standstill stays: what comes is tied to it.
+  void keep_temporary(const View<Sensors>& view) {
+    if (temporary_ != none) keyframe_ = temporary_;
+    temporary_ = none;
+    make_room(view);
   }
 
   /// What was seen before is out of sight: a keyframe at the latest state, if the image shows corners at all.
@@ -269,11 +284,26 @@ class Odometry {
       estimate.bias_accel = x.bias_accel;
     }
   }
+  /// The covariance of the published pose, that of the window being P.
+  void publish(const Covariance& P) {
+    estimate.covariance = P + carried(origin_covariance_, T_origin_, estimate.T_world_body);
+  }
+  /// All begins anew at the published pose, of which that much is known.
+  void continue_from(const Covariance& P) {
+    T_origin_ = estimate.T_world_body;
+    origin_covariance_ = P;
+  }
   void set_health(HealthState state, HealthReason reason) { estimate.health = {state, reason}; }
   double blind_s(TimeNs t_ns) const { return seconds_between(good_ns_, t_ns); }
 
  private:
   static constexpr int none = -1;
+
+  /// A covariance P of the body at T, as one of the same body elsewhere.
+  static Covariance carried(const Covariance& P, const SE3<S>& T, const SE3<S>& T_elsewhere) {
+    const Covariance Ad = (T_elsewhere.inverse() * T).adjoint();
+    return Ad * P * Ad.transpose();
+  }
 
   /// Takes what the frame says about the readout time; its features move along.
   void find_readout(const View<Sensors>& view, const SE3<S>& T) {
@@ -291,6 +321,8 @@ class Odometry {
   int keyframe_ = 0, temporary_ = none;  ///< slots of the last keyframe, and of the latest frame when it is none
   int tracked_at_keyframe_ = 0;
   Covariance keyframe_covariance_ = Covariance::Zero();
+  SE3<S> T_origin_;  ///< where all began anew
+  Covariance origin_covariance_ = Covariance::Zero();
   TimeNs good_ns_ = 0;  ///< of the last frame whose image was of use
 };
 

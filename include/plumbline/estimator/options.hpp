@@ -17,7 +17,9 @@ struct RecoveryOptions {
   int min_landmarks = 15;     ///< to begin with, or to go on with
   int max_lost_frames = 10;   ///< of a camera alone, tried again against the last good one before all begins anew
   int max_blind_frames = 3;   ///< in a row that the IMU bridges, before new landmarks are looked for
-  double max_coasting_s = 3;  ///< on the IMU alone before the pose is called lost
+  double max_coasting_s = 3;  ///< on the IMU alone before the pose is called lost, and all begins anew
+  double lost_speed = 1;      ///< of a body that nothing tells of, sigma [m/s]
+  double lost_rate = 1;       ///< [rad/s]
 };
 
 /// Beside these, the options of each kind under its name: `points`, `lines`, `start_points`.

@@ -18,6 +18,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "plumbline/core/assert.hpp"
@@ -41,9 +42,8 @@ struct InertialAlignmentOptions {
   double accel_bias_sigma = 0.1;  ///< prior [m/s^2]
   std::size_t min_frames = 5;
   double max_gyro_residual = 0.02;  ///< [rad]
-  double max_gravity_error = 0.1;   ///< of its length before it is fixed, relative
+  double max_gravity_error = 0.1;   ///< of its length before it is fixed, relative, beyond three sigma of it
   double max_gravity_sigma = 0.05;  ///< [rad]
-  double min_excitation = 0.25;     ///< for an unknown scale [m/s^2]
   double max_scale_sigma = 0.1;     ///< relative
 };
 
@@ -51,12 +51,11 @@ struct InertialAlignmentOptions {
 enum class AlignmentOutcome : std::uint8_t {
   aligned,
   too_few_frames,
-  no_imu_data,            ///< an increment is empty or not finite
-  rotations_disagree,     ///< of vision and gyroscope: wrong poses, extrinsics or time stamps
-  gravity_implausible,    ///< its length: wrong poses, units or extrinsics
-  gravity_uncertain,      ///< its direction
-  too_little_excitation,  ///< the scale shows only in accelerated motion
-  scale_uncertain,        ///< wait for more motion
+  no_imu_data,          ///< an increment is empty or not finite
+  rotations_disagree,   ///< of vision and gyroscope: wrong poses, extrinsics or time stamps
+  gravity_implausible,  ///< its length: wrong poses, units or extrinsics
+  gravity_uncertain,    ///< its direction
+  scale_uncertain,      ///< it shows only in accelerated motion: wait for more
 };
 
 /// For logs.
@@ -68,7 +67,6 @@ constexpr const char* name_of(AlignmentOutcome outcome) {
     case AlignmentOutcome::rotations_disagree: return "camera and gyroscope turn differently";
     case AlignmentOutcome::gravity_implausible: return "gravity of a wrong length";
     case AlignmentOutcome::gravity_uncertain: return "gravity uncertain";
-    case AlignmentOutcome::too_little_excitation: return "too little excitation";
     case AlignmentOutcome::scale_uncertain: return "scale uncertain";
   }
   return "unknown outcome";
@@ -91,6 +89,11 @@ struct InertialAlignment {
   double chi2 = 0;              ///< for each degree of freedom; the sigmas above are multiplied by its root if > 1
 
   explicit operator bool() const { return outcome == AlignmentOutcome::aligned; }
+  /// Whether all of it is known, if not well.
+  bool is_rough() const {
+    return !v_world_body.empty() &&
+           (outcome == AlignmentOutcome::gravity_uncertain || outcome == AlignmentOutcome::scale_uncertain);
+  }
 
   /// State of frame k. The world's origin is that of the camera poses.
   NavState<S> state(std::size_t k, const SE3<S>& T_ref_cam, const SE3<S>& T_body_cam) const {
@@ -106,20 +109,26 @@ struct AlignmentUnknowns {
   enum : int { g = 0, lambda = 3, b_a = 4, count = 7 };
 };
 
-/// RMS deviation of the mean specific forces between frames from their mean, in `ref`.
-template <class P>
-double excitation(std::span<const AlignmentFrame<P>> frames, const SO3<double>& R_cam_body) {
+/// Of the mean specific forces between frames, in `ref` [m/s^2].
+struct SpecificForce {
   Vec<double, 3> mean = Vec<double, 3>::Zero();
+  double deviation = 0;  ///< root mean square
+};
+
+template <class P>
+SpecificForce specific_force(std::span<const AlignmentFrame<P>> frames, const SO3<double>& R_cam_body) {
+  SpecificForce out;
   double squared = 0, n = 0;
   for (std::size_t k = 1; k < frames.size(); ++k) {
     const auto& d = frames[k].imu->increment();
     const SO3<double> R = frames[k - 1].T_ref_cam.rotation().template cast<double>() * R_cam_body;
     const Vec<double, 3> f = R * Vec<double, 3>(d.delta.dv.template cast<double>() / double(d.duration));
-    const Vec<double, 3> step = f - mean;
-    mean += step / ++n;
-    squared += step.dot(f - mean);
+    const Vec<double, 3> step = f - out.mean;
+    out.mean += step / ++n;
+    squared += step.dot(f - out.mean);
   }
-  return std::sqrt(squared / n);
+  out.deviation = std::sqrt(squared / n);
+  return out;
 }
 
 /// The rows (7) of one interval, false when its covariance is none; about the increment's own accelerometer bias.
@@ -199,10 +208,10 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
   out.gyro_residual = gyro.residual;
   if (!gyro.valid || !(gyro.residual <= options.max_gyro_residual)) return stop(AlignmentOutcome::rotations_disagree);
   out.bias_gyro = gyro.bias.template cast<S>();
-  out.excitation = detail::excitation<P>(frames, T_body_camera.rotation().inverse());
-
-  if (!options.metric && !(out.excitation >= options.min_excitation))
-    return stop(AlignmentOutcome::too_little_excitation);
+  const detail::SpecificForce force = detail::specific_force<P>(frames, T_body_camera.rotation().inverse());
+  out.excitation = force.deviation;
+  // Degrees of freedom: 6 rows an interval, three of b', those of (8) and metric; less velocities and common unknowns.
+  const double freedom = 6 * double(frames.size() - 1) + 3 - 3 * double(frames.size()) - int(Unknowns::count);
 
   Vec<double, 3> g = Vec<double, 3>::Zero();
   double lambda = 1;
@@ -237,14 +246,20 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
     lambda = std::abs(signed_lambda);
     if (round == free_rounds - 1) {
       out.gravity_norm = g.norm();
-      if (!(std::abs(out.gravity_norm - gravity) <= options.max_gravity_error * gravity))
+      Row J = Row::Zero();  // of |g' / lambda|
+      for (int i = 0; i < 3; ++i) J[Unknowns::g + i] = g[i] / (out.gravity_norm * signed_lambda);
+      J[Unknowns::lambda] = -out.gravity_norm / signed_lambda;
+      const double chi2 = chain.cost() / (freedom + (options.metric ? 1 : 0));
+      const double sigma = std::sqrt(std::max(1.0, chi2) * double(J * chain.covariance() * J.transpose()));
+      const double error = std::abs(out.gravity_norm - gravity);
+      if (!(error <= options.max_gravity_error * gravity + 3 * sigma))
         return stop(AlignmentOutcome::gravity_implausible);
+      // Hardly accelerated, the accelerometer shows the vertical better than its double integral.
+      if (!(error <= options.max_gravity_error * gravity)) g = -gravity * force.mean.normalized();
     }
   }
 
-  // Degrees of freedom: 6 rows an interval, those of (8), b_a and metric; less velocities and common unknowns.
-  const double freedom = 6 * double(frames.size() - 1) + (options.metric ? 5 : 4) - 3 * double(frames.size()) - 7;
-  out.chi2 = chain.cost() / freedom;
+  out.chi2 = chain.cost() / (freedom + (options.metric ? 2 : 1));
   Mat<double, 7, 7> covariance = chain.covariance();
   covariance *= std::max(1.0, out.chi2);
   const auto variance = [&](int k) { return covariance(k, k); };
@@ -268,10 +283,10 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
   }
   for (std::size_t k = 1; k < frames.size(); ++k) frames[k].imu->reintegrate(out.bias_gyro, out.bias_accel);
 
+  if (!(chain.common()[Unknowns::lambda] > 0)) out.scale_sigma = std::numeric_limits<double>::infinity();
   if (!(out.gravity_sigma <= options.max_gravity_sigma)) return stop(AlignmentOutcome::gravity_uncertain);
   if (options.metric) return stop(AlignmentOutcome::aligned);
-  if (!(chain.common()[Unknowns::lambda] > 0) || !(out.scale_sigma <= options.max_scale_sigma))
-    return stop(AlignmentOutcome::scale_uncertain);
+  if (!(out.scale_sigma <= options.max_scale_sigma)) return stop(AlignmentOutcome::scale_uncertain);
   return stop(AlignmentOutcome::aligned);
 }
 

@@ -64,6 +64,7 @@ class ConstantVelocity {
   }
   const Vec<S, 3>& angular_rate() const { return angular_rate_; }
 
+  static constexpr bool contradicts(const Prediction<State, S>& /*predicted*/, const SE3<S>& /*T*/) { return false; }
   State update(const State& /*predicted*/, const SE3<S>& T, const View<Sensors>& view) {
     velocity_ = minus(T, view.T_world_previous) / view.dt;
     return {T};
@@ -79,6 +80,7 @@ class ConstantVelocity {
   }
 
   static constexpr bool ties_frames() { return false; }
+  static constexpr bool at_rest() { return false; }
   bool confirm_keyframe(TimeNs, double /*motion_px*/, bool needed) const { return needed; }
   Link link(int /*keyframe*/) const { return {}; }
   void begin_link(const State&) {}

@@ -11,6 +11,7 @@
 #include "plumbline/core/time.hpp"
 #include "plumbline/feature/view.hpp"
 #include "plumbline/imu/standstill.hpp"
+#include "plumbline/lie/plus.hpp"
 #include "plumbline/motion/imu_intake.hpp"
 #include "plumbline/motion/inertial_links.hpp"
 #include "plumbline/motion/motion_model.hpp"
@@ -25,9 +26,12 @@ struct InertialOptions : InertialLinkOptions {
   double walk_inflation = 2;
   double velocity_sigma = 0.1;   ///< of the velocity that predicts a frame [m/s]
   double rotation_sigma = 5e-3;  ///< of the rotation since the last frame, beside the gyroscope's noise [rad]
+  double max_innovation = 8;     ///< of a frame's pose by its images against the readings [sigma]
   double max_disagreement = 6;   ///< of readings and images, see InertialLinks; about 2 on a vibrating drone
   double rest_motion_px = 0.5;   ///< landmarks that moved less since the last keyframe do not contradict a standstill
+  double rest_check_s = 0.3;     ///< they are watched for so long
   double rest_hysteresis = 2;    ///< limits are this much wider for a body at rest
+  double max_rest_link_s = 2;    ///< a standstill goes on for ever, its readings are of use for so long
   StandstillOptions standstill;
 };
 
@@ -61,6 +65,7 @@ class Inertial {
       blind_since_keyframe_ = blind_since_keyframe_ || imu_.blind();
       const S duration = imu_.since_frame().increment().duration;
       angular_rate_ = imu_.since_frame().increment().delta.dR.log() / (duration > S(0) ? duration : dt);
+      at_rest_ = at_rest_ && seems_at_rest(t_ns);
     }
     imu_.begin_frame(t_ns);
   }
@@ -79,8 +84,10 @@ class Inertial {
       return {x, {}};
     }
     Prediction<State, S> out{latest, {true}};
+    if (at_rest_) out.state.v_world_body.setZero();
     if (!imu_.blind()) {
-      out.state = increment.predict(latest, gravity_);
+      out.state = increment.predict(out.state, gravity_);
+      if (at_rest_) out.state.v_world_body.setZero();
     } else {
       SO3<S> R_previous_now = increment.corrected(latest.bias_gyro, latest.bias_accel).dR;
       if (imu_.missing() || imu_.coverage().gyro_saturated_s > 0) {
@@ -99,6 +106,16 @@ class Inertial {
     return out;
   }
 
+  /// Whether images say of the frame what its readings exclude: a frozen picture, a scene that moves as a whole.
+  bool contradicts(const Prediction<State, S>& predicted, const SE3<S>& T) const {
+    if (!predicted.prior.valid || imu_.blind()) return false;
+    const Vec<S, 6> d = minus(T, predicted.state.T_world_body);
+    for (int k = 0; k < 6; ++k) {
+      if (!(std::abs(d[k]) <= S(options_.max_innovation) * predicted.prior.sigma[k])) return true;
+    }
+    return false;
+  }
+
   State update(const State& predicted, const SE3<S>& T, const View<Sensors>& view) const {
     State x = predicted;
     if (!is_metric_) x.v_world_body = (T.p() - view.T_world_previous.p()) / view.dt;
@@ -111,7 +128,7 @@ class Inertial {
     solved.v_world_body = (solved.T_world_body.p() - before.T_world_body.p()) / dt;
     return true;
   }
-  void lose() { at_rest_ = false; }
+  void lose() {}
   bool carries_on() const { return is_metric_; }
   /// Of a pose after the readings of one frame without images.
   Mat<S, 6, 6> covariance_grown(const Mat<S, 6, 6>& before) const {
@@ -140,10 +157,18 @@ class Inertial {
     since_keyframe_ = imu_.since(x);
     blind_since_keyframe_ = false;
   }
-  /// A link that was blind somewhere ends as soon as the readings are back: the next one tells the velocity. At rest
-  /// there are none.
+  /// A link that was blind somewhere ends as soon as the readings are back: the next one tells the velocity. Readings as
+  /// of a standstill make a keyframe that the landmarks can be seen to rest against. At rest there are none.
   bool confirm_keyframe(TimeNs t_ns, double motion_px, bool needed) {
-    return !look_for_rest(t_ns, motion_px) && (needed || (blind_since_keyframe_ && !imu_.blind()));
+    const bool rested = at_rest_;
+    const double link_s = double(since_keyframe_.increment().duration);
+    const bool long_enough = rested || link_s >= options_.rest_check_s;
+    const bool resting = long_enough && look_for_rest(t_ns, motion_px);
+    // The state at rest is that of the keyframe: readings before the last frame tell nothing more of what comes.
+    if (is_metric_ && rested && (!resting || link_s > options_.max_rest_link_s)) since_keyframe_ = imu_.since_frame();
+    if (resting) return false;
+    const bool may_rest = is_metric_ && long_enough && rest_.at_rest();
+    return needed || may_rest || (blind_since_keyframe_ && !imu_.blind());
   }
   HealthReason doubt(const auto& links, const auto& window) const {
     if (imu_.missing()) return HealthReason::no_imu_data;
@@ -154,14 +179,8 @@ class Inertial {
 
   /// Whether nothing moved since the last keyframe, by image and IMU. Rest is left less easily than it is entered.
   bool look_for_rest(TimeNs t_ns, double motion_px) {
-    StandstillOptions options = options_.standstill;
     const double slack = at_rest_ ? options_.rest_hysteresis : 1;
-    options.gyro_spread *= slack;
-    options.accel_spread *= slack;
-    at_rest_ = motion_px < slack * options_.rest_motion_px;
-    if (!at_rest_) return false;
-    rest_ = standstill(imu_.buffer(), imu_.time_of(t_ns), options, options_.gravity);
-    return at_rest_ = rest_.at_rest();
+    return at_rest_ = seems_at_rest(t_ns) && motion_px < slack * options_.rest_motion_px;
   }
   bool at_rest() const { return at_rest_; }
   /// All that is known of a body at rest, the world being upright at its place.
@@ -170,6 +189,16 @@ class Inertial {
   const Vec<S, 3>& angular_rate() const { return angular_rate_; }
 
  private:
+  /// As far as the readings show.
+  bool seems_at_rest(TimeNs t_ns) {
+    StandstillOptions options = options_.standstill;
+    const double slack = at_rest_ ? options_.rest_hysteresis : 1;
+    options.gyro_spread *= slack;
+    options.accel_spread *= slack;
+    rest_ = standstill(imu_.buffer(), imu_.time_of(t_ns), options, options_.gravity);
+    return rest_.at_rest();
+  }
+
   static ImuNoise inflated(ImuNoise noise, const Options& options) {
     noise.gyro_density *= options.gyro_inflation;
     noise.accel_density *= options.accel_inflation;

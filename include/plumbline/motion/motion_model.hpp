@@ -5,11 +5,12 @@
 ///   begin_frame       takes in what was measured up to a frame; the latest state is null before the first one
 ///   predict           the frame's state, before its features are used. `align_rotation(guess)` is what the images say
 ///                     of the camera's rotation since the previous one; `blind_s`: since when images are of no use
+///   contradicts       whether the sensors of the motion exclude the pose that the frame's features say
 ///   update            the frame's features say that it is at T: the state with which it enters the window
 ///   revise            after the window was solved: whether the frame's state is corrected by what the images alone say
 ///   lose              the images do not say where the frame is; `carries_on` if the model can without them
 ///   restart           everything begins anew; returns where
-///   link, begin_link  from the last keyframe on
+///   link, begin_link  from the last keyframe on; `at_rest`: the body has not moved since
 ///   confirm_keyframe  whether a frame becomes a keyframe, given that the rule wants it
 ///   doubt             what is wrong with what the sensors say
 
@@ -47,6 +48,7 @@ concept Ties = requires(M& motion, const M& known, const typename M::State& x) {
   typename M::template Links<4>;
   { M::is_chain } -> std::convertible_to<bool>;
   { known.ties_frames() } -> std::convertible_to<bool>;
+  { known.at_rest() } -> std::convertible_to<bool>;
   { known.link(0) } -> std::same_as<typename M::Link>;
   motion.begin_link(x);
 };

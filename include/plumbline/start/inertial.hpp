@@ -3,6 +3,7 @@
 /// gravity, velocities and biases.                                                docs/math/inertial_window.md
 
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/core/time.hpp"
 #include "plumbline/imu/gravity.hpp"
 #include "plumbline/imu/nav_state.hpp"
 #include "plumbline/lie/se3.hpp"
@@ -14,10 +15,12 @@
 namespace plumbline {
 
 struct InertialStartOptions {
-  double frame_interval_s = 0.1;      ///< between the poses that are aligned with the IMU
-  double gyro_bias_sigma = 0.02;      ///< prior of the first frame [rad/s]
-  double accel_bias_sigma = 0.1;      ///< [m/s^2]
-  double max_accel_bias_sigmas = 10;  ///< of accel_bias_sigma, when images and readings are first solved together
+  double frame_interval_s = 0.1;       ///< between the poses that are aligned with the IMU
+  double gyro_bias_sigma = 0.02;       ///< prior of the first frame [rad/s]
+  double accel_bias_sigma = 0.1;       ///< [m/s^2]
+  double max_rough_scale_sigma = 0.7;  ///< relative, of a pose that is published although its scale is uncertain
+  double settling_s = 3;               ///< after the start of a camera without depth its scale is not certain
+  double max_accel_bias_sigmas = 10;   ///< of accel_bias_sigma, when images and readings are first solved together
   InertialAlignmentOptions alignment;
 };
 
@@ -35,26 +38,39 @@ class InertialStart {
   const Options& options() const { return options_; }
 
   /// A series of camera poses begins.
-  void clear() { window_.clear(); }
-  /// One more of them, with the readings since the frame before. True when it is worth trying to align.
-  bool add(const SE3<S>& T_ref_cam, const Preintegration<S>& since_last) {
-    return window_.add(T_ref_cam, since_last, options_.frame_interval_s);
+  void clear() {
+    window_.clear();
+    has_estimate_ = false;
   }
+  /// One more of them, with the readings since the frame before. True when it is worth trying to align.
+  bool add(TimeNs t_ns, const SE3<S>& T_ref_cam, const Preintegration<S>& since_last) {
+    return window_.add(t_ns, T_ref_cam, since_last, options_.frame_interval_s);
+  }
+  /// A keyframe of that time was solved for again.
+  void correct(TimeNs t_ns, const SE3<S>& T_ref_cam) { window_.correct(t_ns, T_ref_cam); }
 
   /// Whether poses and readings agree; `report` says what is missing.
   bool align(const SE3<S>& T_body_cam, double gravity, InitReport& report) {
     InertialAlignmentOptions options = options_.alignment;
     options.metric = !needs_second_view;
-    found_ = window_.align(T_body_cam, options, gravity);
-    report.alignment = found_.outcome;
-    report.excitation = found_.excitation;
-    report.gravity_norm = found_.gravity_norm;
-    report.gyro_residual = found_.gyro_residual;
-    report.scale_sigma = found_.scale_sigma;
-    if (!found_) return false;
+    const auto found = window_.align(T_body_cam, options, gravity);
+    report.alignment = found.outcome;
+    report.excitation = found.excitation;
+    report.gravity_norm = found.gravity_norm;
+    report.gyro_residual = found.gyro_residual;
+    report.scale_sigma = found.scale_sigma;
+    if (!found && !(found.is_rough() && found.scale_sigma < options_.max_rough_scale_sigma)) return false;
+    found_ = found;
+    has_estimate_ = true;
     gravity_ref_ = found_.R_world_ref.inverse() * gravity_in_world<S>(S(gravity));
-    return true;
+    return bool(found_);
   }
+
+  /// Whether there is an alignment, if a rough one.
+  bool has_estimate() const { return has_estimate_; }
+  double scale_sigma() const { return found_.scale_sigma; }      ///< relative
+  double gravity_sigma() const { return found_.gravity_sigma; }  ///< of its direction [rad]
+  Vec<S, 3> latest_velocity() const { return found_.v_world_body[found_.v_world_body.size() - 1]; }  ///< [m/s]
 
   /// Metres in one unit of vision.
   S scale() const { return found_.scale; }
@@ -95,6 +111,7 @@ class InertialStart {
   Visual visual_;
   AlignmentWindow<S> window_;
   typename AlignmentWindow<S>::Outcome found_;
+  bool has_estimate_ = false;
   Vec<S, 3> gravity_ref_ = Vec<S, 3>::Zero();
 };
 

@@ -14,15 +14,16 @@ enum class HealthState : std::uint8_t {
 
 enum class HealthReason : std::uint8_t {
   none,
-  few_features,   ///< the images show little that can be tracked
-  few_inliers,    ///< most of what is tracked does not fit one rigid motion
-  no_depth,       ///< the depth image has no measurement where the features are
-  unconstrained,  ///< the features seen do not determine the pose
-  aligning,       ///< vision works; scale, gravity and biases are not known yet, see InitReport
-  no_imu_data,    ///< inertial samples are missing
-  coasting,       ///< the pose is that of the IMU alone
-  imu_disagrees,  ///< readings and images contradict each other: clock, extrinsics or noise
-  imu_saturated,  ///< readings at the sensor's full scale
+  few_features,     ///< the images show little that can be tracked
+  few_inliers,      ///< most of what is tracked does not fit one rigid motion
+  no_depth,         ///< the depth image has no measurement where the features are
+  unconstrained,    ///< the features seen do not determine the pose
+  aligning,         ///< vision works; scale, gravity and biases are not known yet, see InitReport
+  scale_uncertain,  ///< a pose, but its metres are a first guess
+  no_imu_data,      ///< inertial samples are missing
+  coasting,         ///< the pose is that of the IMU alone
+  imu_disagrees,    ///< readings and images contradict each other: clock, extrinsics or noise
+  imu_saturated,    ///< readings at the sensor's full scale
 };
 
 struct Health {
@@ -48,6 +49,7 @@ constexpr const char* name_of(HealthReason reason) {
     case HealthReason::no_depth: return "no depth";
     case HealthReason::unconstrained: return "unconstrained";
     case HealthReason::aligning: return "aligning";
+    case HealthReason::scale_uncertain: return "scale uncertain";
     case HealthReason::no_imu_data: return "no IMU data";
     case HealthReason::coasting: return "coasting";
     case HealthReason::imu_disagrees: return "IMU disagrees";

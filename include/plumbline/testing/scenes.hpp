@@ -13,7 +13,7 @@
 
 namespace plumbline::testing {
 
-inline constexpr std::array<std::string_view, 3> scene_names = {"room", "room_lowtex", "corridor"};
+inline constexpr std::array<std::string_view, 4> scene_names = {"room", "room_lowtex", "corridor", "hall"};
 
 namespace detail {
 
@@ -123,6 +123,36 @@ inline Scene make_corridor(std::uint32_t seed) {
   return scene;
 }
 
+/// A sports hall of 30 m x 20 m x 8 m: banners, windows, doors and boxes along its walls.
+inline Scene make_hall(std::uint32_t seed) {
+  constexpr double hx = 15, hy = 10, height = 8;
+  Scene scene;
+  Furnisher add(scene, seed, true);
+  add_floor_and_ceiling(scene, hx, hy, height, add.material(Pattern::parquet, 0.42f, 0.5f),
+                        add.material(Pattern::tiles, 0.7f, 0.6f));
+  const std::array<SE3<double>, 4> walls = {placement(hx, 0, 0, pi / 2), placement(0, hy, 0, pi),
+                                            placement(-hx, 0, 0, -pi / 2), placement(0, -hy, 0, 0)};
+  const std::array<double, 4> half = {hy, hx, hy, hx};
+  for (int i = 0; i < 4; ++i) {
+    const SE3<double>& wall = walls[std::size_t(i)];
+    const double w = half[std::size_t(i)];
+    scene.add_front(wall, -w, w, 0, height, 0,
+                    add.material(i % 2 == 0 ? Pattern::brick : Pattern::plaster, 0.55f, 0.4f));
+    add.baseboard(wall, -w, w);
+    add.door(wall, -0.55 * w);
+    add.door(wall, 0.62 * w);
+    const int columns = static_cast<int>(w) - 1;
+    for (int k = 0; k < columns; ++k) {
+      const double at = -w + 1.2 + 2 * k + 0.5 * hash01(i, k, seed);
+      add.poster(wall, at, 2.4 + 1.2 * hash01(k, i + 7, seed), 1.1, 1.5);
+      add.poster(wall, at + 0.9, 4.6 + 1.6 * hash01(k, i + 11, seed), 1.4, 1.0);
+      if (k % 2 == 0) add.picture(wall, at + 0.7, 1.1, 0.9, 0.7);
+      if (k % 3 == 1) add.parcel(wall, {at, 0.5, 0}, 0.4 * hash01(k, i, seed), {0.9, 0.7, 0.8});
+    }
+  }
+  return scene;
+}
+
 }  // namespace detail
 
 /// The scene of that name, its surfaces varied by the seed; nothing when the name is unknown.
@@ -131,6 +161,7 @@ inline std::optional<Scene> make_scene(std::string_view name, std::uint64_t seed
   if (name == "room") return detail::make_room(surface_seed, true);
   if (name == "room_lowtex") return detail::make_room(surface_seed, false);
   if (name == "corridor") return detail::make_corridor(surface_seed);
+  if (name == "hall") return detail::make_hall(surface_seed);
   return std::nullopt;
 }
 

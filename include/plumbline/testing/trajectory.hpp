@@ -1,9 +1,10 @@
 #pragma once
 /// Smooth paths through the simulated scenes with exact derivatives.
 ///
-/// Position and yaw, pitch, roll are sums of sinusoids of the phase s(t), which rests for one second and then gains
-/// speed over another (C^5), or s = t for a camera shaken by hand:
-///   s(t) = T F((t - 1 s)/T),  F' = 126 x^5 - 420 x^6 + 540 x^7 - 315 x^8 + 70 x^9 on [0, 1], then 1              (1)
+/// Position and yaw, pitch, roll are sums of sinusoids of the phase s(t), which rests and then gains speed during T
+/// (C^5), may rest once more from b to e, or s = t for a camera shaken by hand:
+///   s(t) = r(t - rest) - r(t - b) + r(t - e),  r(t) = T F(t/T),
+///   F' = 126 x^5 - 420 x^6 + 540 x^7 - 315 x^8 + 70 x^9 on [0, 1], then 1                                        (1)
 ///   R_world_body = Rz(yaw) Ry(pitch) Rx(roll)                                                                    (2)
 ///   w_body = [roll' - yaw' sin pitch;  pitch' cos roll + yaw' cos pitch sin roll;
 ///             -pitch' sin roll + yaw' cos pitch cos roll]
@@ -13,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <string_view>
@@ -58,11 +60,18 @@ class Trajectory {
   static std::optional<Trajectory> for_scene(std::string_view scene, std::uint64_t seed = 1) {
     if (scene == "room" || scene == "room_lowtex") return Trajectory(Kind::room, seed);
     if (scene == "corridor") return Trajectory(Kind::corridor, seed);
+    if (scene == "hall") return Trajectory(Kind::hall, seed);
     return std::nullopt;
   }
 
   /// In the middle of the room, shaken by hand at 2 to 4 Hz from the first instant on: up to 5 rad/s and 20 m/s^2.
   static Trajectory shaken(std::uint64_t seed = 1) { return Trajectory(Kind::shaken, seed); }
+
+  /// Slows down at begin_s, which takes a second (in the hall six), and goes on from end_s.
+  void stop(double begin_s, double end_s) {
+    stop_s_ = begin_s;
+    go_s_ = end_s;
+  }
 
   MotionState at(double t) const {
     const Jet s = kind_ == Kind::shaken ? Jet{t, 1, 0} : phase(t);
@@ -82,6 +91,12 @@ class Trajectory {
       z = sway(4, 0.018, 22.0) + sway(5, 0.08, 2.6) + 1.35;
       yaw = sway(6, 0.18, 14.5) + start_;
       return motion(x, y, z, yaw, sway(7, 0.10, 18.0) + sway(9, 0.10, 1.9) + 0.12, sway(8, 0.10, 20.5));
+    } else if (kind_ == Kind::hall) {  // a wide round, looking ahead and at the walls
+      const Jet turn = (2 * std::numbers::pi / 45) * s + start_;
+      x = 8.0 * cos(turn) + sway(0, 0.25, 0.5);
+      y = 4.5 * sin(turn) + sway(1, 0.25, 0.4);
+      z = sway(2, 0.20, 0.5) + sway(3, 0.01, 5.0) + 1.6;
+      yaw = turn + sway(4, 0.35, 0.45) + sway(5, 0.03, 2.1);
     } else {  // one lap of the corridor in 18 s: a rectangle with round corners, slower there
       const Jet turn = (2 * std::numbers::pi / 18) * s;
       const Jet angle = turn + (-0.06) * sin(4 * turn);
@@ -96,7 +111,7 @@ class Trajectory {
   }
 
  private:
-  enum class Kind : std::uint8_t { room, corridor, shaken };
+  enum class Kind : std::uint8_t { room, corridor, hall, shaken };
 
   static MotionState motion(const Jet& x, const Jet& y, const Jet& z, const Jet& yaw, const Jet& pitch,
                             const Jet& roll) {
@@ -118,18 +133,24 @@ class Trajectory {
   }
 
   /// (1)
-  static Jet phase(double t) {
-    const double x = (t - standstill_s) / ramp_s;
+  Jet phase(double t) const {
+    const bool slow = kind_ == Kind::hall;
+    const double T = slow ? 6 * ramp_s : ramp_s;
+    return ramp(t - standstill_s, T) + (-1.0) * ramp(t - stop_s_, T) + ramp(t - go_s_, T);
+  }
+  static Jet ramp(double t, double T) {
+    const double x = t / T;
     if (!(x > 0)) return {};
-    if (x >= 1) return {ramp_s * (x - 0.5), 1, 0};
+    if (x >= 1) return {T * (x - 0.5), 1, 0};
     const double x4 = x * x * x * x, x5 = x4 * x;
-    return {ramp_s * x5 * x * (21 + x * (-60 + x * (67.5 + x * (-35 + x * 7)))),
-            x5 * (126 + x * (-420 + x * (540 + x * (-315 + x * 70)))), 630 * x4 * std::pow(1 - x, 4) / ramp_s};
+    return {T * x5 * x * (21 + x * (-60 + x * (67.5 + x * (-35 + x * 7)))),
+            x5 * (126 + x * (-420 + x * (540 + x * (-315 + x * 70)))), 630 * x4 * std::pow(1 - x, 4) / T};
   }
 
   Kind kind_;
   std::array<double, 10> phase_{};
   double start_ = 0;
+  double stop_s_ = std::numeric_limits<double>::infinity(), go_s_ = stop_s_;
 };
 
 }  // namespace plumbline::testing
