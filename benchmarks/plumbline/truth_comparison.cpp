@@ -38,6 +38,16 @@ pl::SE3<double> alignment_at(const io::PosePair& pair, bool gravity_is_known) {
   return {R, pair.estimate.p() - R * pair.reference.p()};
 }
 
+constexpr double min_extent_m = 1;
+
+/// Largest distance from the first position.
+double extent_of(const std::vector<io::PosePair>& pairs) {
+  double extent_m = 0;
+  for (const io::PosePair& pair : pairs)
+    extent_m = std::max(extent_m, (pair.reference.p() - pairs.front().reference.p()).norm());
+  return extent_m;
+}
+
 template <int N>
 double nees(const pl::Vec<double, N>& e, const pl::Mat<double, N, N>& covariance) {
   const auto L = pl::square_root_information(covariance);
@@ -60,13 +70,20 @@ std::vector<TruthError> compare_with_truth(const io::Trajectory& truth, const st
   if (pairs.empty()) return out;
 
   const pl::SE3<double> at_first = alignment_at(pairs.front(), gravity_is_known);
-  pl::SE3<double> whole = at_first;  // where nothing moved there is no better one
-  if (const auto S = io::align(pairs, gravity_is_known ? io::Alignment::posyaw : io::Alignment::se3))
+  pl::SE3<double> whole = at_first, origin = at_first;  // where nothing moved there is no better one
+  if (const auto S = io::align(pairs, gravity_is_known ? io::Alignment::posyaw : io::Alignment::se3)) {
     whole = pl::SE3<double>(S->rotation(), S->t()).inverse();
+    // True positions are good to millimetres, true attitudes to a degree: over some metres they tell the heading better.
+    if (gravity_is_known && extent_of(pairs) > min_extent_m) {
+      const io::PosePair& first = pairs.front();
+      origin = {whole.rotation(), first.estimate.p() - whole.rotation() * first.reference.p()};
+    }
+  }
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     using Vec3 = pl::Vec<double, 3>;
     using Mat3 = pl::Mat<double, 3, 3>;
-    const pl::Vec<double, 6> e = pl::minus(at_first * pairs[i].reference, pairs[i].estimate);
+    pl::Vec<double, 6> e = pl::minus(at_first * pairs[i].reference, pairs[i].estimate);
+    e.tail<3>() = pl::minus(origin * pairs[i].reference, pairs[i].estimate).tail<3>();
     out.push_back({pairs[i].t_ns, pl::minus(whole * pairs[i].reference, pairs[i].estimate),
                    nees<3>(Vec3(e.head<3>()), Mat3(covariances[i].topLeftCorner<3, 3>())),
                    nees<3>(Vec3(e.tail<3>()), Mat3(covariances[i].bottomRightCorner<3, 3>())),

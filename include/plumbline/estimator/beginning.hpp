@@ -45,10 +45,9 @@ class Beginning {
   /// All begins anew at the pose that is published: what comes continues its place and heading, and knows no more of
   /// them. A body that nothing tells of may have moved.
   void continue_from(Odometry& odometry, const View<Sensors>& view) {
-    using Covariance = typename Odometry::Covariance;
     const Estimate<S>& estimate = odometry.estimate;
     const SO3<S>& R = estimate.T_world_body.rotation();
-    Covariance P = estimate.covariance;
+    auto P = estimate.covariance;
     if constexpr (is_complete) {
       const auto& options = odometry.options.recovery;
       const S blind_s = S(odometry.blind_s(view.t_ns));
@@ -57,19 +56,11 @@ class Beginning {
         P(k, k) += moved * moved;
       }
     } else {
-      // Gravity shows again: of the rotation the heading stays uncertain, about the vertical u.
-      const Vec<S, 3> u = R.inverse() * Vec<S, 3>::UnitZ();
-      const S heading = u.dot(Vec<S, 3>(block<3, 3>(P, 0, 0) * u));
-      for (int i = 0; i < 3; ++i) {
-        for (int k = 0; k < 3; ++k) {
-          P(i, k) = heading * u[i] * u[k];
-          P(i, 3 + k) = P(3 + k, i) = S(0);
-        }
-      }
+      P = place_and_heading(P, R);
       const Vec<S, 3> g = R.inverse() * gravity_in_world<S>(S(odometry.options.motion.gravity));
       T_world_start_ = SE3<S>(R * upright<S>(g).inverse(), estimate.T_world_body.p());
     }
-    odometry.continue_from(P);
+    odometry.origin.set(estimate.T_world_body, P);
   }
 
   /// The first keyframe of all.
@@ -188,6 +179,12 @@ class Beginning {
         return;
       }
       odometry.motion.become_metric();
+      if constexpr (Start::needs_second_view) {
+        // On the way here scale and vertical were what they were taken for; the heading's axis is tilted, say half way.
+        const SE3<S>& T = odometry.window().T_world_body(odometry.window().oldest());
+        const S travelled = (T.p() - T_world_start_.p()).norm();
+        odometry.origin.doubt(T, S(start_.scale_sigma()) * travelled, S(0.5 * start_.gravity_sigma()));
+      }
       finish(view);
       odometry.become_metric(view);
     }

@@ -13,6 +13,7 @@
 #include "plumbline/estimator/options.hpp"
 #include "plumbline/feature/motion_estimate.hpp"
 #include "plumbline/frontend/image_pair.hpp"
+#include "plumbline/state/origin.hpp"
 #include "plumbline/state/rig_state.hpp"
 
 namespace plumbline {
@@ -54,6 +55,7 @@ class Odometry {
   Backend backend;
   [[no_unique_address]] MapT map;
   Estimate<S> estimate;
+  Origin<S> origin;  ///< of what is published
 
   Window& window() { return backend.window(); }
   const Window& window() const { return backend.window(); }
@@ -285,25 +287,12 @@ class Odometry {
     }
   }
   /// The covariance of the published pose, that of the window being P.
-  void publish(const Covariance& P) {
-    estimate.covariance = P + carried(origin_covariance_, T_origin_, estimate.T_world_body);
-  }
-  /// All begins anew at the published pose, of which that much is known.
-  void continue_from(const Covariance& P) {
-    T_origin_ = estimate.T_world_body;
-    origin_covariance_ = P;
-  }
+  void publish(const Covariance& P) { estimate.covariance = P + origin.at(estimate.T_world_body); }
   void set_health(HealthState state, HealthReason reason) { estimate.health = {state, reason}; }
   double blind_s(TimeNs t_ns) const { return seconds_between(good_ns_, t_ns); }
 
  private:
   static constexpr int none = -1;
-
-  /// A covariance P of the body at T, as one of the same body elsewhere.
-  static Covariance carried(const Covariance& P, const SE3<S>& T, const SE3<S>& T_elsewhere) {
-    const Covariance Ad = (T_elsewhere.inverse() * T).adjoint();
-    return Ad * P * Ad.transpose();
-  }
 
   /// Takes what the frame says about the readout time; its features move along.
   void find_readout(const View<Sensors>& view, const SE3<S>& T) {
@@ -321,8 +310,6 @@ class Odometry {
   int keyframe_ = 0, temporary_ = none;  ///< slots of the last keyframe, and of the latest frame when it is none
   int tracked_at_keyframe_ = 0;
   Covariance keyframe_covariance_ = Covariance::Zero();
-  SE3<S> T_origin_;  ///< where all began anew
-  Covariance origin_covariance_ = Covariance::Zero();
   TimeNs good_ns_ = 0;  ///< of the last frame whose image was of use
 };
 

@@ -1,0 +1,63 @@
+#pragma once
+/// Where an estimate began, or began anew: what is not known of that place is not known of any pose after it.
+///
+///   P(T) = P_window + Ad P_origin Ad^T,  Ad = Ad(T^-1 T_origin)                                               (1)
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/lie/se3.hpp"
+
+namespace plumbline {
+
+/// Covariance P of a body at T [rad, m], right increments, as one of the same body at T_elsewhere: (1).
+template <class S>
+Mat<S, 6, 6> carried(const Mat<S, 6, 6>& P, const SE3<S>& T, const SE3<S>& T_elsewhere) {
+  const Mat<S, 6, 6> Ad = (T_elsewhere.inverse() * T).adjoint();
+  return Ad * P * Ad.transpose();
+}
+
+/// What remains of P, of a body with that rotation, where gravity shows: of the rotation the heading.
+template <class S>
+Mat<S, 6, 6> place_and_heading(const Mat<S, 6, 6>& P, const SO3<S>& R_world_body) {
+  const Vec<S, 3> up = R_world_body.inverse() * Vec<S, 3>::UnitZ();
+  S heading = S(0);
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) heading += up[i] * P(i, k) * up[k];
+  }
+  Mat<S, 6, 6> out = P;
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      out(i, k) = heading * up[i] * up[k];
+      out(i, 3 + k) = out(3 + k, i) = S(0);
+    }
+  }
+  return out;
+}
+
+template <class S>
+class Origin {
+ public:
+  using Covariance = Mat<S, 6, 6>;
+
+  /// It is at T, of which that much is known.
+  void set(const SE3<S>& T, const Covariance& P) {
+    T_ = T;
+    P_ = P;
+  }
+  /// What is measured from T on has that place with a sigma [m], and that heading about the vertical [rad].
+  void doubt(const SE3<S>& T, S place_sigma, S heading_sigma) {
+    set(T, carried(P_, T_, T));
+    const Vec<S, 3> up = T.rotation().inverse() * Vec<S, 3>::UnitZ();
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) P_(i, k) += heading_sigma * heading_sigma * up[i] * up[k];
+      P_(3 + i, 3 + i) += place_sigma * place_sigma;
+    }
+  }
+  /// The part of a pose's covariance that is the origin's.
+  Covariance at(const SE3<S>& T) const { return carried(P_, T_, T); }
+
+ private:
+  SE3<S> T_;
+  Covariance P_ = Covariance::Zero();
+};
+
+}  // namespace plumbline

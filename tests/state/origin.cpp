@@ -1,0 +1,72 @@
+#include "plumbline/state/origin.hpp"
+
+#include "catch.hpp"
+#include "plumbline/lie/plus.hpp"
+#include "plumbline/testing/gaussian.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+template <class S>
+SE3<S> random_pose(testing::Gaussian& normal) {
+  return plus(SE3<S>(), Vec<S, 6>(normal.vector<6>().cast<S>()));
+}
+template <class S>
+Mat<S, 6, 6> random_covariance(testing::Gaussian& normal) {
+  Mat<S, 6, 6> A;
+  for (int k = 0; k < 6; ++k) A.col(k) = normal.vector<6>().cast<S>();
+  return A * A.transpose();
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("origin: an error of the place where all began moves every pose after it", "", float, double) {
+  using S = TestType;
+  const S step = std::is_same_v<S, float> ? S(1e-3) : S(1e-6), tolerance = std::is_same_v<S, float> ? S(2e-2) : S(1e-4);
+  testing::Gaussian normal(1);
+  for (int trial = 0; trial < 20; ++trial) {
+    const SE3<S> T = random_pose<S>(normal), T_later = random_pose<S>(normal), T_between = T.inverse() * T_later;
+    for (int k = 0; k < 6; ++k) {
+      Vec<S, 6> d = Vec<S, 6>::Zero();
+      d[k] = step;
+      const Vec<S, 6> moved = minus(plus(T, d) * T_between, T_later) / step;
+      Mat<S, 6, 6> P = Mat<S, 6, 6>::Zero();
+      P(k, k) = S(1);
+      REQUIRE((carried(P, T, T_later) - moved * moved.transpose()).norm() < tolerance * (1 + moved.squaredNorm()));
+    }
+  }
+}
+
+TEMPLATE_TEST_CASE("origin: where gravity shows, place and heading stay open", "", float, double) {
+  using S = TestType;
+  testing::Gaussian normal(2);
+  const SE3<S> T = random_pose<S>(normal);
+  const Mat<S, 6, 6> P = random_covariance<S>(normal), left = place_and_heading(P, T.rotation());
+  const Mat<S, 3, 3> R = T.R();
+  const Mat<S, 3, 3> before = R * block<3, 3>(P, 0, 0) * R.transpose(),
+                     world = R * block<3, 3>(left, 0, 0) * R.transpose();
+  Mat<S, 3, 3> expected = Mat<S, 3, 3>::Zero();
+  expected(2, 2) = before(2, 2);
+  CHECK((world - expected).norm() < S(1e-4) * before.norm());
+  CHECK((block<3, 3>(left, 3, 3) - block<3, 3>(P, 3, 3)).norm() == 0);
+  CHECK(block<3, 3>(left, 0, 3).norm() == 0);
+}
+
+TEMPLATE_TEST_CASE("origin: nothing is uncertain of the first one, doubts add up", "", float, double) {
+  using S = TestType;
+  testing::Gaussian normal(3);
+  const SE3<S> T = random_pose<S>(normal), T_later = random_pose<S>(normal);
+  Origin<S> origin;
+  CHECK(origin.at(T).norm() == 0);
+  origin.doubt(T, S(0.3), S(0.01));
+  origin.doubt(T, S(0.4), S(0));
+  for (int k = 3; k < 6; ++k) CHECK(double(origin.at(T)(k, k)) == Approx(0.25));
+  Mat<S, 3, 3> heading = Mat<S, 3, 3>::Zero();
+  heading(2, 2) = S(1e-4);
+  CHECK((T.R() * block<3, 3>(origin.at(T), 0, 0) * T.R().transpose() - heading).norm() < S(1e-6));
+  const Mat<S, 6, 6> P = random_covariance<S>(normal);
+  origin.set(T, P);
+  CHECK((origin.at(T) - P).norm() < S(1e-4) * P.norm());
+  CHECK((origin.at(T_later) - carried(P, T, T_later)).norm() < S(1e-4) * P.norm());
+}
