@@ -30,7 +30,7 @@ template <class T, class S>
 concept ScalarOf = std::same_as<T, S> || std::integral<T>;
 
 template <int N, class S>
-constexpr S sum_by_halves(const S* a) {
+EIGEN_STRONG_INLINE constexpr S sum_by_halves(const S* a) {
   if constexpr (N == 1) {
     return a[0];
   } else {
@@ -38,13 +38,13 @@ constexpr S sum_by_halves(const S* a) {
   }
 }
 template <int N, class S>
-constexpr S sum_in_order(const S* a) {
+EIGEN_STRONG_INLINE constexpr S sum_in_order(const S* a) {
   S sum = a[0];
   for (int k = 1; k < N; ++k) sum += a[k];
   return sum;
 }
 template <int N, class S>
-constexpr S sum_by_packets(const S* a) {
+EIGEN_STRONG_INLINE constexpr S sum_by_packets(const S* a) {
   constexpr int P = packet_size<S>, packets = N / P;
   if constexpr (packets == 0) {
     return sum_by_halves<N>(a);
@@ -69,7 +69,7 @@ enum class Transposed : unsigned char { none, left, right };
 
 /// A B, R x K by K x C, each of them column by column; of one that is transposed, what it is transposed of is given.
 template <int R, int K, int C, Transposed transposed, class S>
-inline void multiply(const S* A, const S* B, S* out) {
+EIGEN_ALWAYS_INLINE void multiply(const S* A, const S* B, S* out) {
   for (int c = 0; c < C; ++c) {
     for (int r = 0; r < R; ++r) {
       S a[K];
@@ -88,77 +88,79 @@ inline void multiply(const S* A, const S* B, S* out) {
 }  // namespace detail
 
 template <class S, int R, int C>
-inline Mat<S, R, C> operator+(const Mat<S, R, C>& a, const Mat<S, R, C>& b) requires detail::Values<S, R, C> {
+EIGEN_STRONG_INLINE Mat<S, R, C> operator+(const Mat<S, R, C>& a,
+                                           const Mat<S, R, C>& b) requires detail::Values<S, R, C> {
   Mat<S, R, C> out;
   for (int k = 0; k < R * C; ++k) out.data()[k] = a.data()[k] + b.data()[k];
   return out;
 }
 template <class S, int R, int C>
-inline Mat<S, R, C> operator-(const Mat<S, R, C>& a, const Mat<S, R, C>& b) requires detail::Values<S, R, C> {
+EIGEN_STRONG_INLINE Mat<S, R, C> operator-(const Mat<S, R, C>& a,
+                                           const Mat<S, R, C>& b) requires detail::Values<S, R, C> {
   Mat<S, R, C> out;
   for (int k = 0; k < R * C; ++k) out.data()[k] = a.data()[k] - b.data()[k];
   return out;
 }
 template <class S, int R, int C>
-inline Mat<S, R, C> operator-(const Mat<S, R, C>& a) requires detail::Values<S, R, C> {
+EIGEN_STRONG_INLINE Mat<S, R, C> operator-(const Mat<S, R, C>& a) requires detail::Values<S, R, C> {
   Mat<S, R, C> out;
   for (int k = 0; k < R * C; ++k) out.data()[k] = -a.data()[k];
   return out;
 }
 
 template <class T, class S, int R, int C>
-inline Mat<S, R, C> operator*(const T& factor,
-                              const Mat<S, R, C>& a) requires detail::Values<S, R, C> && detail::ScalarOf<T, S> {
+EIGEN_STRONG_INLINE Mat<S, R, C> operator*(
+    const T& factor, const Mat<S, R, C>& a) requires detail::Values<S, R, C> && detail::ScalarOf<T, S> {
   Mat<S, R, C> out;
   for (int k = 0; k < R * C; ++k) out.data()[k] = S(factor) * a.data()[k];
   return out;
 }
 template <class T, class S, int R, int C>
-inline Mat<S, R, C> operator*(const Mat<S, R, C>& a,
-                              const T& factor) requires detail::Values<S, R, C> && detail::ScalarOf<T, S> {
+EIGEN_STRONG_INLINE Mat<S, R, C> operator*(const Mat<S, R, C>& a,
+                                           const T& factor) requires detail::Values<S, R, C> && detail::ScalarOf<T, S> {
   Mat<S, R, C> out;
   for (int k = 0; k < R * C; ++k) out.data()[k] = a.data()[k] * S(factor);
   return out;
 }
 template <class T, class S, int R, int C>
-inline Mat<S, R, C> operator/(const Mat<S, R, C>& a,
-                              const T& divisor) requires detail::Values<S, R, C> && detail::ScalarOf<T, S> {
+EIGEN_STRONG_INLINE Mat<S, R, C> operator/(
+    const Mat<S, R, C>& a, const T& divisor) requires detail::Values<S, R, C> && detail::ScalarOf<T, S> {
   Mat<S, R, C> out;
   for (int k = 0; k < R * C; ++k) out.data()[k] = a.data()[k] / S(divisor);
   return out;
 }
 
 template <class S, int R, int K, int C>
-inline Mat<S, R, C> operator*(const Mat<S, R, K>& A, const Mat<S, K, C>& B) requires detail::Factors<S, R, K, C> &&
-    (K > 1) {
+EIGEN_STRONG_INLINE Mat<S, R, C> operator*(const Mat<S, R, K>& A,
+                                           const Mat<S, K, C>& B) requires detail::Factors<S, R, K, C> &&(K > 1) {
   Mat<S, R, C> out;
   detail::multiply<R, K, C, detail::Transposed::none>(A.data(), B.data(), out.data());
   return out;
 }
 template <class S, int R, int K, int C>
-inline Mat<S, R, C> operator*(const Eigen::Transpose<const Mat<S, K, R>>& At,
-                              const Mat<S, K, C>& B) requires detail::Factors<S, R, K, C> &&(K > 1) {
+EIGEN_STRONG_INLINE Mat<S, R, C> operator*(const Eigen::Transpose<const Mat<S, K, R>>& At,
+                                           const Mat<S, K, C>& B) requires detail::Factors<S, R, K, C> &&(K > 1) {
   Mat<S, R, C> out;
   detail::multiply<R, K, C, detail::Transposed::left>(At.nestedExpression().data(), B.data(), out.data());
   return out;
 }
 template <class S, int R, int K, int C>
-inline Mat<S, R, C> operator*(const Eigen::Transpose<Mat<S, K, R>>& At,
-                              const Mat<S, K, C>& B) requires detail::Factors<S, R, K, C> &&(K > 1) {
+EIGEN_STRONG_INLINE Mat<S, R, C> operator*(const Eigen::Transpose<Mat<S, K, R>>& At,
+                                           const Mat<S, K, C>& B) requires detail::Factors<S, R, K, C> &&(K > 1) {
   Mat<S, R, C> out;
   detail::multiply<R, K, C, detail::Transposed::left>(At.nestedExpression().data(), B.data(), out.data());
   return out;
 }
 template <class S, int R, int K, int C>
-inline Mat<S, R, C> operator*(const Mat<S, R, K>& A,
-                              const Eigen::Transpose<const Mat<S, C, K>>& Bt) requires detail::Factors<S, R, K, C> {
+EIGEN_STRONG_INLINE Mat<S, R, C> operator*(
+    const Mat<S, R, K>& A, const Eigen::Transpose<const Mat<S, C, K>>& Bt) requires detail::Factors<S, R, K, C> {
   Mat<S, R, C> out;
   detail::multiply<R, K, C, detail::Transposed::right>(A.data(), Bt.nestedExpression().data(), out.data());
   return out;
 }
 template <class S, int R, int K, int C>
-inline Mat<S, R, C> operator*(const Mat<S, R, K>& A,
-                              const Eigen::Transpose<Mat<S, C, K>>& Bt) requires detail::Factors<S, R, K, C> {
+EIGEN_STRONG_INLINE Mat<S, R, C> operator*(
+    const Mat<S, R, K>& A, const Eigen::Transpose<Mat<S, C, K>>& Bt) requires detail::Factors<S, R, K, C> {
   Mat<S, R, C> out;
   detail::multiply<R, K, C, detail::Transposed::right>(A.data(), Bt.nestedExpression().data(), out.data());
   return out;

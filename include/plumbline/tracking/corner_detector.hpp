@@ -47,13 +47,14 @@ class ScoreTile {
     PLUMBLINE_ASSERT(x0 >= margin && y0 >= margin && x0 + size + margin <= image.width);
     PLUMBLINE_ASSERT(y0 + size + margin <= image.height);
     Sums column[window];  // products of the last 7 rows
-    Sums sum{};
-    for (Sums& products : column) products.fill(0);
+    Sums sum;
+    sum.setZero();
+    for (Sums& products : column) products.setZero();
     for (int y = 0; y < size + window - 1; ++y) {
       Sums& products = column[y % window];
-      for (std::size_t k = 0; k < sum.size(); ++k) sum[k] -= products[k];
+      sum -= products;
       gradient_products(image.data + (y0 + y - radius) * image.stride + x0 - radius, image.stride, products);
-      for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += products[k];
+      sum += products;
       if (y >= window - 1) rows_[static_cast<std::size_t>(y - window + 1)] = score(sum);
     }
   }
@@ -62,7 +63,7 @@ class ScoreTile {
 
  private:
   static constexpr int radius = 3, window = 2 * radius + 1, columns = size + window - 1;
-  using Sums = std::array<float, 3 * columns>;  // xx, xy, yy of each column
+  using Sums = Eigen::Array<float, columns, 3>;  // xx, xy, yy of each column
 
   static void gradient_products(const std::uint8_t* row, std::ptrdiff_t stride, Sums& products) {
     float* xx = products.data();
@@ -79,26 +80,12 @@ class ScoreTile {
 
   /// Smallest eigenvalues from the sums over 7 columns.
   static Row score(const Sums& sum) {
-    float xx[size], xy[size], yy[size];
-    add_columns(sum.data(), xx);
-    add_columns(sum.data() + columns, xy);
-    add_columns(sum.data() + 2 * columns, yy);
-    Row squared, out;
-    for (int x = 0; x < size; ++x) {
-      const float half_gap = 0.5f * (xx[x] - yy[x]);
-      squared[x] = half_gap * half_gap + xy[x] * xy[x];
-    }
-    const Row root = squared.sqrt();  // in packets
-    for (int x = 0; x < size; ++x) {
-      out[x] = (0.5f * (xx[x] + yy[x]) - root[x]) * (1.0f / (4 * window * window));  // 4: g are halves of differences
-    }
-    return out;
-  }
-  /// Sums of 7 neighbours, two by two.
-  static void add_columns(const float* column, float* seven) {
-    float two[columns - 1];
-    for (int x = 0; x < columns - 1; ++x) two[x] = column[x] + column[x + 1];
-    for (int x = 0; x < size; ++x) seven[x] = two[x] + two[x + 2] + two[x + 4] + column[x + window - 1];
+    const Eigen::Array<float, columns - 1, 3> two = sum.topRows<columns - 1>() + sum.bottomRows<columns - 1>();
+    const Eigen::Array<float, size, 3> seven =
+        two.topRows<size>() + two.middleRows<size>(2) + two.middleRows<size>(4) + sum.bottomRows<size>();
+    const Row mean = 0.5f * (seven.col(0) + seven.col(2)), half_gap = 0.5f * (seven.col(0) - seven.col(2));
+    const Row eigenvalue = mean - (half_gap.square() + seven.col(1).square()).sqrt();
+    return eigenvalue * (1.0f / (4 * window * window));  // 4: g are halves of the differences above
   }
 
   std::array<Row, size> rows_;

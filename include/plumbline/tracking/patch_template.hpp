@@ -39,7 +39,7 @@ class PatchTemplate {
   using Bordered = Patch<bordered_size>;
 
   /// T with a border of one sample for the central differences.
-  void set(const Bordered& bordered, bool with_gain = true) {
+  EIGEN_DONT_INLINE void set(const Bordered& bordered, bool with_gain = true) {
     const float* pixels = bordered.data();
     for (int y = 0; y < Size; ++y) {
       const float* row = pixels + (y + 1) * bordered_size + 1;
