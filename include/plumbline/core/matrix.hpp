@@ -1,16 +1,13 @@
 #pragma once
-/// Fixed-size matrix aliases. Sizes are compile-time constants everywhere in the estimator: nothing here can allocate.
+/// Matrices and vectors of fixed size, and what is done to them everywhere.
 
 #include <Eigen/Core>
 #include <cmath>
 
+#include "plumbline/core/matrix_operators.hpp"
+#include "plumbline/core/matrix_types.hpp"
+
 namespace plumbline {
-
-template <class S, int N>
-using Vec = Eigen::Matrix<S, N, 1>;
-
-template <class S, int Rows, int Cols>
-using Mat = Eigen::Matrix<S, Rows, Cols>;
 
 /// [a]x with hat(a) * b = a x b.                                                          docs/conventions.md
 template <class Derived>

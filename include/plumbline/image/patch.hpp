@@ -5,6 +5,7 @@
 /// which compilers vectorize.
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -73,7 +74,8 @@ bool interpolate_warped_patch(const ImageView<const std::uint8_t>& image, const 
                               const Mat<float, 2, 2>& A, Patch<Size>& out) {
   const float radius = 0.5f * static_cast<float>(Size - 1);
   constexpr float rounding_px = 0.01f;  // more than the sums below can be off
-  const Vec<float, 2> extent = (radius * A.cwiseAbs().rowwise().sum()).array() + rounding_px;
+  const Vec<float, 2> extent(radius * (std::abs(A(0, 0)) + std::abs(A(0, 1))) + rounding_px,
+                             radius * (std::abs(A(1, 0)) + std::abs(A(1, 1))) + rounding_px);
   const Vec<float, 2> low = centre - extent, high = centre + extent;
   if (!(low.x() >= 0.0f && low.y() >= 0.0f && high.x() < static_cast<float>(image.width - 1) &&
         high.y() < static_cast<float>(image.height - 1))) {

@@ -19,13 +19,13 @@ namespace plumbline {
 /// Pixel of level 0 seen on `level`.                                                                             (2)
 inline Vec<float, 2> to_level(const Vec<float, 2>& uv, int level) {
   const float scale = 1.0f / static_cast<float>(1 << level);
-  return (uv.array() + 0.5f) * scale - 0.5f;
+  return {(uv.x() + 0.5f) * scale - 0.5f, (uv.y() + 0.5f) * scale - 0.5f};
 }
 
 /// Pixel of `level` seen on level 0.                                                                             (2)
 inline Vec<float, 2> from_level(const Vec<float, 2>& uv_level, int level) {
   const float scale = static_cast<float>(1 << level);
-  return (uv_level.array() + 0.5f) * scale - 0.5f;
+  return {(uv_level.x() + 0.5f) * scale - 0.5f, (uv_level.y() + 0.5f) * scale - 0.5f};
 }
 
 template <int Levels, std::size_t MaxPixels>

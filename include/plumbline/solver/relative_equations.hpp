@@ -79,12 +79,13 @@ class RelativeEquations {
   /// G += rows^T rows in columns [First, Last) from row First on: the lower triangle, and a little more.
   template <int First, int Last, std::size_t R>
   static void add_columns(const std::array<Vec<S, BlockDim>, R>& rows, Block& G) {
-    using Part = Vec<S, BlockDim - First>;
     for (int c = First; c < Last; ++c) {
-      Part sum = rows[0][c] * Eigen::Map<const Part>(rows[0].data() + First);
-      for (std::size_t n = 1; n < R; ++n) sum += rows[n][c] * Eigen::Map<const Part>(rows[n].data() + First);
-      Eigen::Map<Part> column(G.data() + c * BlockDim + First);
-      column += sum;
+      S* column = G.data() + c * BlockDim;
+      for (int k = First; k < BlockDim; ++k) {
+        S sum = rows[0][c] * rows[0][k];
+        for (std::size_t n = 1; n < R; ++n) sum += rows[n][c] * rows[n][k];
+        column[k] += sum;
+      }
     }
   }
   static Block symmetric(const Block& lower) {

@@ -30,8 +30,7 @@ using EdgeChain = FixedVector<EdgePixel, 4096>;
 
 /// The pixel that a position [px] >= 0 is in.
 inline EdgePixel nearest_pixel(const Vec<float, 2>& uv) {
-  const Vec<float, 2> shifted = uv.array() + 0.5f;  // conversion rounds down
-  return {static_cast<std::int16_t>(shifted.x()), static_cast<std::int16_t>(shifted.y())};
+  return {static_cast<std::int16_t>(uv.x() + 0.5f), static_cast<std::int16_t>(uv.y() + 0.5f)};  // rounds down
 }
 
 template <std::size_t MaxPixels>

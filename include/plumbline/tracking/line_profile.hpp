@@ -21,7 +21,12 @@ struct LineProfile {
 
   /// (21), in [-1, 1]; 0 when one of them has no contrast.
   float similarity(const LineProfile& other) const {
-    const Vec<float, 2 *radius + 1> a = mean.array() - mean.mean(), b = other.mean.array() - other.mean.mean();
+    Vec<float, 2 * radius + 1> a, b;
+    const float mean_a = mean.mean(), mean_b = other.mean.mean();
+    for (int k = 0; k < 2 * radius + 1; ++k) {
+      a[k] = mean[k] - mean_a;
+      b[k] = other.mean[k] - mean_b;
+    }
     const float scale = std::sqrt(a.squaredNorm() * b.squaredNorm());
     return scale > 0 ? a.dot(b) / scale : 0.0f;
   }

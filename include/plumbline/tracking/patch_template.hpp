@@ -14,6 +14,7 @@
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/image/image_view.hpp"
 #include "plumbline/image/patch.hpp"
+#include "plumbline/image/patch_sums.hpp"
 
 namespace plumbline {
 
@@ -38,7 +39,7 @@ class PatchTemplate {
   using Bordered = Patch<bordered_size>;
 
   /// T with a border of one sample for the central differences.
-  void set(const Bordered& bordered, bool with_gain = true) {
+  EIGEN_DONT_INLINE void set(const Bordered& bordered, bool with_gain = true) {
     const float* pixels = bordered.data();
     for (int y = 0; y < Size; ++y) {
       const float* row = pixels + (y + 1) * bordered_size + 1;
@@ -51,19 +52,22 @@ class PatchTemplate {
         Jy[x] = 0.5f * (row[x + bordered_size] - row[x - bordered_size]);
       }
     }
-    T_.array() -= T_.mean();
-    Jx_.array() -= Jx_.mean();
-    Jy_.array() -= Jy_.mean();
-    contrast_ = T_.squaredNorm();
-    JtT_ << Jx_.dot(T_), Jy_.dot(T_);
+    subtract(mean_of(T_), T_);
+    subtract(mean_of(Jx_), Jx_);
+    subtract(mean_of(Jy_), Jy_);
+    contrast_ = squared_norm(T_);
+    JtT_ << dot(Jx_, T_), dot(Jy_, T_);
     has_gain_ = with_gain && contrast_ > min_variance * samples;
     if (has_gain_) {
-      Jx_ -= (JtT_.x() / contrast_) * T_;  // (4)
-      Jy_ -= (JtT_.y() / contrast_) * T_;
+      const float x = JtT_.x() / contrast_, y = JtT_.y() / contrast_;
+      for (int k = 0; k < Size * Size; ++k) {  // (4)
+        Jx_[k] -= x * T_[k];
+        Jy_[k] -= y * T_[k];
+      }
       JtT_.setZero();
     }
-    const float xy = Jx_.dot(Jy_);
-    JtJ_ << Jx_.squaredNorm(), xy, xy, Jy_.squaredNorm();
+    const float xy = dot(Jx_, Jy_);
+    JtJ_ << squared_norm(Jx_), xy, xy, squared_norm(Jy_);
   }
 
   /// J^T J of the position after the elimination of gain and bias [intensity^2/px^2].
@@ -92,6 +96,10 @@ class PatchTemplate {
   }
 
  private:
+  static void subtract(float mean, Patch<Size>& samples) {
+    for (int k = 0; k < Size * Size; ++k) samples[k] -= mean;
+  }
+
   static constexpr float samples = Size * Size;
   static constexpr float min_variance = 1.0f;               // contrast of quantization noise [intensity^2]
   static constexpr float min_gain = 0.5f, max_gain = 2.0f;  // of a step; the caller judges the final gain
@@ -104,15 +112,15 @@ class PatchTemplate {
     for (int i = 0; i < bounds.max_iterations; ++i) {
       if (!image.contains(match.uv.x(), match.uv.y(), 0.0f)) return match;
       interpolate_patch<Size>(image, match.uv, I);
-      const float TtI = T_.dot(I);
+      const float TtI = dot(T_, I);
       if (has_gain_) match.gain = TtI / contrast_;
-      const Vec<float, 2> gradient = Vec<float, 2>(Jx_.dot(I), Jy_.dot(I)) - JtT_;
+      const Vec<float, 2> gradient = Vec<float, 2>(dot(Jx_, I), dot(Jy_, I)) - JtT_;
       const Vec<float, 2> step = step_matrix * gradient / std::clamp(match.gain, min_gain, max_gain);
       match.uv -= step;
       if (!((match.uv - start).squaredNorm() <= bounds.max_move_px * bounds.max_move_px)) return match;
       if (step.squaredNorm() < bounds.epsilon_px * bounds.epsilon_px) {
-        const float a = match.gain, mean = I.mean();
-        const float squares = (I.array() - mean).matrix().squaredNorm() - 2 * a * TtI + a * a * contrast_;
+        const float a = match.gain;
+        const float squares = squared_norm_about(I, mean_of(I)) - 2 * a * TtI + a * a * contrast_;
         match.rms = std::sqrt(std::max(squares, 0.0f) / samples);
         match.valid = true;
         return match;

@@ -50,8 +50,12 @@ class Thumbnail {
 
   ImageView<const float> view() const { return {pixels_.data(), width_, height_, width_}; }
   /// Pixel of the full image seen in the thumbnail, and back.
-  Vec<float, 2> from_full(const Vec<float, 2>& uv) const { return (uv.array() + 0.5f) / scale_ - 0.5f; }
-  Vec<float, 2> to_full(const Vec<float, 2>& uv) const { return (uv.array() + 0.5f) * scale_ - 0.5f; }
+  Vec<float, 2> from_full(const Vec<float, 2>& uv) const {
+    return {(uv.x() + 0.5f) / scale_ - 0.5f, (uv.y() + 0.5f) / scale_ - 0.5f};
+  }
+  Vec<float, 2> to_full(const Vec<float, 2>& uv) const {
+    return {(uv.x() + 0.5f) * scale_ - 0.5f, (uv.y() + 0.5f) * scale_ - 0.5f};
+  }
   float scale() const { return scale_; }
 
  private:
