@@ -87,6 +87,8 @@ class Estimator {
 
  private:
   void go_on(const View<Sensors>& view, const Predicted& predicted, double begin) {
+    if (core_.motion.carries_on() && core_.images.repeats() && !core_.motion.may_rest(view.t_ns))
+      return recover(view, predicted.state, HealthReason::images_repeat);
     SE3<S> T = predicted.state.T_world_body;
     core_.track(view, T);
     timing_.track = TimeSource::now() - begin;
@@ -149,15 +151,16 @@ class Estimator {
   bool coast(const View<Sensors>& view, const State& x, HealthReason lacks) {
     const RecoveryOptions& options = core_.options.recovery;
     core_.window().set_latest(x);
-    bool shows_enough = core_.seen_count() >= options.min_landmarks;
-    if (shows_enough && lacks != HealthReason::imu_disagrees) {
+    const bool is_old = lacks == HealthReason::images_repeat, is_wrong = lacks == HealthReason::imu_disagrees;
+    bool shows_enough = !is_old && core_.seen_count() >= options.min_landmarks;
+    if (shows_enough && !is_wrong) {
       core_.images.keep(view, x.T_world_body);
       core_.front_ends.locate(view, core_.window(), core_.landmarks, x.T_world_body);
-    } else if (!shows_enough && ++lost_frames_ > options.max_blind_frames && core_.look_anew(view)) {
+    } else if (!is_old && !shows_enough && ++lost_frames_ > options.max_blind_frames && core_.look_anew(view)) {
       shows_enough = true;
       lost_frames_ = 0;
     } else {
-      core_.landmarks.for_each([](auto& store) { store.undo_frame(); });
+      if (!is_old) core_.landmarks.for_each([](auto& store) { store.undo_frame(); });
     }
     const Covariance covariance = core_.motion.covariance_grown(latest().covariance);
     core_.publish(view.t_ns);
@@ -165,7 +168,7 @@ class Estimator {
     core_.estimate.tracked = 0;
     const bool lost = !(core_.blind_s(view.t_ns) < options.max_coasting_s);
     core_.set_health(lost ? HealthState::lost : HealthState::degraded,
-                     lacks == HealthReason::imu_disagrees ? lacks : HealthReason::coasting);
+                     is_old || is_wrong ? lacks : HealthReason::coasting);
     return shows_enough;
   }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// The image of a frame beside the one that it is compared with.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -48,6 +49,18 @@ class ImagePair {
             T_world_kept_,
             T_body_cam,
             {rig.vision.camera, rig.vision.height, readout_s}};
+  }
+
+  /// Whether the new image is the kept one again, as a camera that hangs delivers it: no two readings of a sensor are
+  /// equal in all pixels.
+  bool repeats() const {
+    constexpr int coarsest = RigPyramid<Sensors>::levels - 1;
+    const auto &a = pyramids_[0].level(coarsest), &b = pyramids_[1].level(coarsest);
+    if (a.width != b.width || a.height != b.height) return false;
+    for (int v = 0; v < a.height; ++v) {
+      if (!std::equal(a.row(v), a.row(v) + a.width, b.row(v))) return false;
+    }
+    return true;
   }
 
   /// The new image is the one that the next is compared with.

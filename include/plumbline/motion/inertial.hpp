@@ -183,6 +183,8 @@ class Inertial {
     return at_rest_ = seems_at_rest(t_ns) && motion_px < slack * options_.rest_motion_px;
   }
   bool at_rest() const { return at_rest_; }
+  /// As far as the readings show; even motion in a straight line looks the same.
+  bool may_rest(TimeNs t_ns) { return seems_at_rest(t_ns); }
   /// All that is known of a body at rest, the world being upright at its place.
   State state_at_rest() const { return plumbline::state_at_rest<S>(rest_, options_.gravity); }
 

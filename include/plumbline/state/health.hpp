@@ -23,6 +23,7 @@ enum class HealthReason : std::uint8_t {
   no_imu_data,      ///< inertial samples are missing
   coasting,         ///< the pose is that of the IMU alone
   imu_disagrees,    ///< readings and images contradict each other: clock, extrinsics or noise
+  images_repeat,    ///< the same picture again while the body moves
   imu_saturated,    ///< readings at the sensor's full scale
 };
 
@@ -53,6 +54,7 @@ constexpr const char* name_of(HealthReason reason) {
     case HealthReason::no_imu_data: return "no IMU data";
     case HealthReason::coasting: return "coasting";
     case HealthReason::imu_disagrees: return "IMU disagrees";
+    case HealthReason::images_repeat: return "images repeat";
     case HealthReason::imu_saturated: return "IMU saturated";
   }
   return "unknown";
