@@ -178,6 +178,37 @@ TEST_CASE("inertial_estimator: black images for a blink of the lamp leave no tra
   REQUIRE(run.part(HealthState::tracking, 6 + dark_s + 0.5, 14) == 1);
 }
 
+TEST_CASE("inertial_estimator: a gyroscope whose bias jumps") {
+  if (no_data()) return;
+  const double step = GENERATE(0.05, 0.3);
+  Trouble trouble;
+  trouble.imu = [step](double t, ImuSample& reading) {
+    if (t >= 6) reading.gyro.x() += step;
+    return true;
+  };
+  const Flight run(trouble);
+  CAPTURE(step, run.ate(0, 14));
+  REQUIRE(run.ate(0, 14) < 0.10);  // that of the whole flight
+  REQUIRE((run.estimates.back().bias_gyro - Vec<double, 3>(-0.002 + step, 0.021, 0.077)).norm() < 0.01);
+  REQUIRE(run.part(HealthState::tracking, 10, 14) > 0.95);
+}
+
+TEST_CASE("inertial_estimator: a camera that hangs") {
+  if (no_data()) return;
+  Trouble trouble;
+  cv::Mat last;
+  trouble.image = [&last](double t, cv::Mat& image) {
+    if (during(t, 6, 7)) image = last.clone();
+    last = image;
+    return true;
+  };
+  const Flight run(trouble);
+  CAPTURE(run.ate(0, 14));
+  REQUIRE(run.part(HealthState::tracking, 6.01, 6.99) == 0);
+  REQUIRE(run.ate(0, 14) < 0.15);
+  REQUIRE(run.part(HealthState::tracking, 8, 14) > 0.95);
+}
+
 TEST_CASE("inertial_estimator: two seconds of black images are bridged, and said to be") {
   if (no_data()) return;
   Trouble trouble;

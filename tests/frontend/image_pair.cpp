@@ -119,3 +119,26 @@ TEMPLATE_TEST_CASE("image_pair: the coarsest pixels tell how the camera turned",
   const RotationAlignment<S> again = images->align_rotation(view, SO3<S>::exp({S(0.8), S(-0.5), S(1)}));
   REQUIRE((again.valid && again.cost <= found.cost * S(1.01)));
 }
+
+TEST_CASE("image_pair: a picture again, and almost") {
+  using Sensors = MonoRig<double>;
+  const auto rig = rig_of<Sensors>(room().camera);
+  const auto images = std::make_unique<ImagePair<Sensors>>(RotationAlignmentOptions{});
+  const auto gray = room().frames[0].gray.view();
+  std::vector<std::uint8_t> copy(gray.row(0), gray.row(0) + width * height);
+  const auto see = [&](const std::uint8_t* pixels, TimeNs t_ns) {
+    Sensors::Frame frame;
+    frame.t_ns = t_ns;
+    frame.gray = {pixels, width, height, width};
+    REQUIRE(images->see(frame));
+    return images->view(rig, frame, SE3<double>(), 0, 0.1);
+  };
+  images->keep(see(gray.row(0), 0), {});
+  (void)see(copy.data(), 1);
+  CHECK(images->repeats());
+  for (int v = 100; v < 140; ++v) {
+    for (int u = 100; u < 140; ++u) copy[std::size_t(v * width + u)] ^= 4;
+  }
+  (void)see(copy.data(), 2);
+  CHECK_FALSE(images->repeats());
+}

@@ -128,7 +128,8 @@ TEMPLATE_TEST_CASE("inertial: a metric state is predicted by the readings, with 
     CHECK(drive.predict({}, S(2)).prior.sigma[3] > S(10) * predicted.prior.sigma[3]);
     CHECK(drive.predict({}, S(2)).prior.sigma[0] == predicted.prior.sigma[0]);
     // A pose from the images does not replace the state that enters the window.
-    const NavState<S> x = drive.motion->update(predicted.state, SE3<S>(), drive.view());
+    const SE3<S> elsewhere(predicted.state.T_world_body.rotation(), Vec<S, 3>::Zero());
+    const NavState<S> x = drive.motion->update(predicted.state, elsewhere, drive.view());
     CHECK(drive.error(x) == Approx(drive.error(predicted.state)));
     drive.found();
   }
@@ -233,6 +234,56 @@ TEMPLATE_TEST_CASE("inertial: a link has all readings since its keyframe", "", f
   const InertialOptions options;
   CHECK(link.increment.noise().gyro_density == Approx(options.gyro_inflation * ImuNoise{}.gyro_density));
   CHECK(link.increment.noise().accel_walk == Approx(options.walk_inflation * ImuNoise{}.accel_walk));
+}
+
+TEMPLATE_TEST_CASE("inertial: a gyroscope whose bias jumps, against the images", "", float, double) {
+  using S = TestType;
+  const InertialOptions options;
+  Drive<S> drive;
+  drive.motion->become_metric();
+  const NavState<S> keyframe = drive.latest;
+  const auto go_on = [&](double bias) {
+    drive.advance_with([&](ImuSample& sample) { sample.gyro.x() += bias; });
+    const auto predicted = drive.predict();
+    const NavState<S> x = drive.motion->update(predicted.state, drive.truth(drive.now).T_world_body, drive.view());
+    drive.found();
+    drive.latest.bias_gyro = x.bias_gyro;
+    return drive.motion->link(0).jumped;
+  };
+  for (int k = 0; k < 20; ++k) REQUIRE(!go_on(0.2 * options.max_rate_error));  // no more than any bias does
+  drive.motion->begin_link(keyframe);
+  int frames = 0;
+  while (!go_on(0.1) && frames < 20) ++frames;
+  CHECK(frames * frame_s < options.rate_error_s);
+  // It is taken over step by step, each in a link that ends as soon as it can.
+  for (int k = 0; k < 40; ++k) {
+    if (go_on(0.1)) {
+      CHECK(drive.motion->confirm_keyframe(drive.now, 100, false));
+      drive.motion->begin_link(drive.latest);
+      CHECK_FALSE(drive.motion->link(0).jumped);
+    }
+  }
+  CHECK(double(drive.latest.bias_gyro.x()) == Approx(drive.bias_gyro.x() + 0.1).margin(1.2 * options.max_rate_error));
+}
+
+TEMPLATE_TEST_CASE("inertial: images that the readings exclude", "", float, double) {
+  using S = TestType;
+  const InertialOptions options;
+  Drive<S> drive;
+  drive.advance();
+  const SE3<S> T = drive.truth(drive.now).T_world_body;
+  CHECK_FALSE(drive.motion->contradicts(drive.predict(), SE3<S>()));  // there are no metres yet
+  drive.motion->become_metric();
+  const auto predicted = drive.predict();
+  CHECK_FALSE(drive.motion->contradicts(predicted, T));
+  for (int k = 0; k < 6; ++k) {
+    Vec<S, 6> d = Vec<S, 6>::Zero();
+    d[k] = S(0.9 * options.max_innovation) * predicted.prior.sigma[k];
+    CHECK_FALSE(drive.motion->contradicts(predicted, plus(T, d)));
+    d[k] *= S(-1.3);
+    CHECK(drive.motion->contradicts(predicted, plus(T, d)));
+  }
+  CHECK(drive.motion->contradicts(predicted, SE3<S>(T.rotation(), Vec<S, 3>::Constant(S(NAN)))));
 }
 
 TEMPLATE_TEST_CASE("inertial: a standstill is what image and readings agree on", "", float, double) {

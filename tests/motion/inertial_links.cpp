@@ -216,6 +216,25 @@ TEST_CASE("inertial_links: rows of a standstill are those of ZeroMotion and Zero
   CHECK(links == 2);
 }
 
+TEMPLATE_TEST_CASE("inertial_links: a bias that jumped leaves the link that far open", "", float, double) {
+  using S = TestType;
+  for (const bool jumped : {false, true}) {
+    Chain<S> chain(4);
+    const int i = chain.slot[1], j = chain.slot[2];
+    InertialLink<S> link{i, chain.links->increment(j), false, jumped};
+    chain.links->insert(j, chain.window[j].state.value(), link);
+    const double before = chain.links->cost(chain.window);
+    Vec<S, dim> d = Vec<S, dim>::Zero();
+    d[9] = S(0.1);  // the gyroscope's bias of the last frame
+    chain.window.state(j).add(d);
+    const double cost = chain.links->cost(chain.window) - before;
+    if (jumped)
+      CHECK(cost < 1);  // half a sigma
+    else
+      CHECK(cost > 1e3);
+  }
+}
+
 TEST_CASE("inertial_links: take part once they are activated") {
   Chain<double> chain(10, 0.05);
   REQUIRE(chain.links->cost(chain.window) > 0);

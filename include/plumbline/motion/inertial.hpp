@@ -4,7 +4,9 @@
 /// Until scale, gravity and velocity are known the gyroscope gives the rotation, and images a velocity of their own.
 /// Where the readings say nothing (missing, saturated) both come from the images.
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/result.hpp"
@@ -24,14 +26,17 @@ struct InertialOptions : InertialLinkOptions {
   double gyro_inflation = 2;  ///< of the calibrated densities: vibration, scale and alignment errors
   double accel_inflation = 5;
   double walk_inflation = 2;
-  double velocity_sigma = 0.1;   ///< of the velocity that predicts a frame [m/s]
-  double rotation_sigma = 5e-3;  ///< of the rotation since the last frame, beside the gyroscope's noise [rad]
-  double max_innovation = 8;     ///< of a frame's pose by its images against the readings [sigma]
-  double max_disagreement = 6;   ///< of readings and images, see InertialLinks; about 2 on a vibrating drone
-  double rest_motion_px = 0.5;   ///< landmarks that moved less since the last keyframe do not contradict a standstill
-  double rest_check_s = 0.3;     ///< they are watched for so long
-  double rest_hysteresis = 2;    ///< limits are this much wider for a body at rest
-  double max_rest_link_s = 2;    ///< a standstill goes on for ever, its readings are of use for so long
+  double velocity_sigma = 0.1;    ///< of the velocity that predicts a frame [m/s]
+  double rotation_sigma = 5e-3;   ///< of the rotation since the last frame, beside the gyroscope's noise [rad]
+  double max_innovation = 8;      ///< of a frame's pose by its images against the readings [sigma]
+  double max_rate_error = 0.025;  ///< of the gyroscope against the images: more is another bias [rad/s]
+  double rate_error_s = 0.3;      ///< mean over so long
+  double jump_settles_s = 3;      ///< readings are in doubt for so long
+  double max_disagreement = 6;    ///< of readings and images, see InertialLinks; about 2 on a vibrating drone
+  double rest_motion_px = 0.5;    ///< landmarks that moved less since the last keyframe do not contradict a standstill
+  double rest_check_s = 0.3;      ///< they are watched for so long
+  double rest_hysteresis = 2;     ///< limits are this much wider for a body at rest
+  double max_rest_link_s = 2;     ///< a standstill goes on for ever, its readings are of use for so long
   StandstillOptions standstill;
 };
 
@@ -116,8 +121,9 @@ class Inertial {
     return false;
   }
 
-  State update(const State& predicted, const SE3<S>& T, const View<Sensors>& view) const {
+  State update(const State& predicted, const SE3<S>& T, const View<Sensors>& view) {
     State x = predicted;
+    if (is_metric_ && !imu_.blind()) look_for_jump(x, T, view.dt);
     if (!is_metric_) x.v_world_body = (T.p() - view.T_world_previous.p()) / view.dt;
     if (!is_metric_ || imu_.blind()) x.T_world_body = T;
     return x;
@@ -152,10 +158,10 @@ class Inertial {
   void become_metric() { is_metric_ = true; }
   bool ties_frames() const { return is_metric_; }
 
-  Link link(int keyframe) const { return {keyframe, since_keyframe_, at_rest_}; }
+  Link link(int keyframe) const { return {keyframe, since_keyframe_, at_rest_, jumped_since_keyframe_}; }
   void begin_link(const State& x) {
     since_keyframe_ = imu_.since(x);
-    blind_since_keyframe_ = false;
+    blind_since_keyframe_ = jumped_since_keyframe_ = false;
   }
   /// A link that was blind somewhere ends as soon as the readings are back: the next one tells the velocity. Readings as
   /// of a standstill make a keyframe that the landmarks can be seen to rest against. At rest there are none.
@@ -168,11 +174,12 @@ class Inertial {
     if (is_metric_ && rested && (!resting || link_s > options_.max_rest_link_s)) since_keyframe_ = imu_.since_frame();
     if (resting) return false;
     const bool may_rest = is_metric_ && long_enough && rest_.at_rest();
-    return needed || may_rest || (blind_since_keyframe_ && !imu_.blind());
+    return needed || may_rest || ((blind_since_keyframe_ || jumped_since_keyframe_) && !imu_.blind());
   }
   HealthReason doubt(const auto& links, const auto& window) const {
     if (imu_.missing()) return HealthReason::no_imu_data;
     if (imu_.coverage().saturated_s > 0) return HealthReason::imu_saturated;
+    if (since_jump_s_ < options_.jump_settles_s) return HealthReason::imu_disagrees;
     if (is_metric_ && links.disagreement(window) > options_.max_disagreement) return HealthReason::imu_disagrees;
     return HealthReason::none;
   }
@@ -191,6 +198,21 @@ class Inertial {
   const Vec<S, 3>& angular_rate() const { return angular_rate_; }
 
  private:
+  /// Images that turn otherwise than the gyroscope, for some time and always alike: its bias has jumped. d is log of what
+  /// the prediction lacks, d = -(b - b_then) dt.
+  void look_for_jump(State& x, const SE3<S>& T, S dt) {
+    const Vec<S, 3> d = (x.T_world_body.rotation().inverse() * T.rotation()).log();
+    const S part = std::min(S(1), dt / S(options_.rate_error_s));
+    rate_error_ += part * Vec<S, 3>(d / dt - rate_error_);
+    since_jump_s_ += double(dt);
+    if (rate_error_.norm() <= S(options_.max_rate_error)) return;
+    x.bias_gyro -= rate_error_;
+    x.T_world_body = T;
+    rate_error_.setZero();
+    jumped_since_keyframe_ = true;
+    since_jump_s_ = 0;
+  }
+
   /// As far as the readings show.
   bool seems_at_rest(TimeNs t_ns) {
     StandstillOptions options = options_.standstill;
@@ -214,8 +236,10 @@ class Inertial {
   ImuIntake<S> imu_;
   Preintegration<S> since_keyframe_;
   Vec<S, 3> angular_rate_ = Vec<S, 3>::Zero();
+  Vec<S, 3> rate_error_ = Vec<S, 3>::Zero();  ///< see look_for_jump [rad/s]
+  double since_jump_s_ = std::numeric_limits<double>::infinity();
   StandstillReport rest_;
-  bool is_metric_ = false, blind_since_keyframe_ = false, at_rest_ = false;
+  bool is_metric_ = false, blind_since_keyframe_ = false, jumped_since_keyframe_ = false, at_rest_ = false;
 };
 
 }  // namespace plumbline

@@ -22,6 +22,7 @@ struct InertialLinkOptions {
   double rest_velocity_sigma = 0.01;          ///< of a body found at rest [m/s]
   double rest_rotation_sigma = 2e-3;          ///< between two frames of one standstill [rad]
   double rest_position_sigma = 2e-3;          ///< [m]
+  double jump_gyro_bias = 0.2;                ///< of a link in which the gyroscope's bias jumped, sigma [rad/s]
 };
 
 /// What ties a frame to the one in slot `previous`, -1 for none.
@@ -30,6 +31,7 @@ struct InertialLink {
   int previous = -1;
   Preintegration<S> increment;  ///< since then
   bool at_rest = false;         ///< the body did not move since then
+  bool jumped = false;          ///< the gyroscope's bias is another one since then
 };
 
 template <class S, int Slots>
@@ -157,12 +159,27 @@ class InertialLinks {
 
   bool linked(const auto& window, int slot) const { return window[slot].used && previous(slot) >= 0; }
 
-  static void integrate(Weighted& weighted, const NavState<S>& x) {
+  void integrate(Weighted& weighted, const NavState<S>& x) const {
     Increment& increment = weighted.link.increment;
     increment.reintegrate(x.bias_gyro, x.bias_accel);
-    const auto L = increment.increment().square_root_information();
+    const auto L = weighted.link.jumped ? square_root_information(loosened(increment.increment()))
+                                        : increment.increment().square_root_information();
     weighted.valid = bool(L) && !increment.empty();
     if (weighted.valid) weighted.L = *L;
+  }
+
+  /// What the readings say where nobody knows with which bias: rotation, and with it velocity and position, are open.
+  Mat<S, 15, 15> loosened(const ImuIncrement<S>& increment) const {
+    Mat<S, 15, 15> P = increment.covariance;
+    const S jump = S(options_.jump_gyro_bias), t = increment.duration, rotation = jump * t;
+    const S velocity = S(options_.gravity) * rotation * t / 2, position = velocity * t / 3;
+    for (int k = 0; k < 3; ++k) {
+      P(k, k) += rotation * rotation;
+      P(3 + k, 3 + k) += position * position;
+      P(6 + k, 6 + k) += velocity * velocity;
+      P(Layout::offset<state::GyroBias> + k, Layout::offset<state::GyroBias> + k) += jump * jump;
+    }
+    return P;
   }
 
   /// Rows of a standstill: no motion since frame i, no velocity in frame j.
