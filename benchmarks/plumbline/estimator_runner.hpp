@@ -63,6 +63,8 @@ class EstimatorRunner final : public Runner {
     previous_ns_ = estimator_->latest().t_ns;
     const plumbline::Result<plumbline::Estimate<S>> estimate = estimator_->add_frame(frame);
     FrameOutput out{to_double(estimator_->latest()), std::nullopt, {}};
+    out.is_rough = out.estimate.health.reason == plumbline::HealthReason::scale_uncertain &&
+                   estimator_->init_report().stage != plumbline::InitStage::done;
     if (estimate)
       out.timing = estimator_->timing();
     else

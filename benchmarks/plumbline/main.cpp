@@ -53,6 +53,7 @@ void add_run(CLI::App& app, RunOptions& options) {
   command->add_option("--dataset", options.dataset, "Folder of the recording (EuRoC, TUM RGB-D, KITTI)")->required();
   command->add_option("--trajectory", options.trajectory, "Trajectory to write, TUM format")->required();
   command->add_option("--timing", options.timing, "Times of each frame to write, CSV");
+  command->add_flag("--all-poses", options.all_poses, "Poses while lost, and of a rough scale at the start, too");
   command->add_option("--landmarks", options.landmarks, "Points of the final map to write, PLY");
   command->add_option("--calibration", options.calibration, "Calibration instead of the recording's own");
   CLI::Option* debug = command->add_option(

@@ -114,7 +114,7 @@ int run_configuration(const RunOptions& options) {
       ++refused;
       progress.note("refused: " + frame.image.string() + ": " + name_of(*output.refused));
     }
-    if (output.has_pose()) {
+    if (options.all_poses ? output.has_pose() : output.has_sound_pose()) {
       ++poses;
       trajectory.add({frame.t_ns, output.estimate.T_world_body});
     }

@@ -12,7 +12,8 @@ struct RunOptions {
   std::string config;
   std::filesystem::path dataset, trajectory;
   std::optional<std::filesystem::path> timing, landmarks, calibration;
-  DebugOptions debug;  ///< without a directory: nothing
+  DebugOptions debug;      ///< without a directory: nothing
+  bool all_poses = false;  ///< lost ones and those of a rough scale, too
   double start_s = 0;
   double duration_s = std::numeric_limits<double>::infinity();
 };

@@ -24,9 +24,11 @@ struct FrameOutput {
   plumbline::Estimate<double> estimate;     ///< the one before of a refused frame
   std::optional<plumbline::Error> refused;  ///< why the frame gave no estimate
   plumbline::FrameTiming timing;            ///< [s]
+  bool is_rough = false;                    ///< the pose is in metres that the start has only guessed so far
 
   plumbline::HealthState health() const { return estimate.health.state; }
   bool has_pose() const { return !refused && health() != plumbline::HealthState::initializing; }
+  bool has_sound_pose() const { return has_pose() && !is_rough && health() != plumbline::HealthState::lost; }
 };
 
 class Runner {

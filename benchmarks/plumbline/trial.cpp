@@ -60,7 +60,7 @@ std::vector<JudgedFrame> run_trial(const Configuration& configuration, const Loa
     const FrameOutput output = runner->add_frame(picture.t_ns, picture.gray, picture.depth);
     if (output.refused) continue;
     frames.push_back({picture.t_ns, output.estimate, std::nan(""), std::nan(""), std::nan("")});
-    if (output.has_pose() && output.health() != pl::HealthState::lost)
+    if (output.has_sound_pose())
       poses.push_back({picture.t_ns, output.estimate.T_world_body, output.estimate.covariance});
   }
   std::size_t next = 0;

@@ -41,7 +41,7 @@ using Spoil = std::function<bool(Event&)>;
 struct JudgedFrame {
   plumbline::TimeNs t_ns;
   plumbline::Estimate<double> estimate;
-  double error_m = 0;  ///< after aligning all poses; NaN where there is no pose or no truth
+  double error_m = 0;  ///< after aligning all poses; NaN where there is no sound pose or no truth
   double position_sigmas = 0, rotation_sigmas = 0;  ///< of the error since the first pose, by the covariance
   /// `tracking` promises that the truth is within 3 sigma: 99.7 % of three degrees of freedom.
   bool is_false() const;
