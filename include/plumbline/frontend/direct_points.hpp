@@ -1,0 +1,153 @@
+#pragma once
+/// Points by direct alignment: the frame's pose comes from the pixels of all of them together (frontend/image_motion.hpp),
+/// and each is then aligned with its pixels in the anchor where that pose sees it. Those without a place in space are
+/// followed by optical flow. Landmarks out of sight are looked for where the estimated pose puts them.
+///                                                                          docs/math/direct.md, docs/math/tracking.md
+
+#include <cstddef>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/feature/landmark_store.hpp"
+#include "plumbline/feature/view.hpp"
+#include "plumbline/frontend/point_flow.hpp"
+#include "plumbline/tracking/feature_alignment.hpp"
+#include "plumbline/tracking/image_alignment.hpp"
+#include "plumbline/tracking/optical_flow.hpp"
+
+namespace plumbline {
+
+struct DirectPointOptions : PointFlowOptions {
+  float max_correction_px = 4;  ///< from where the aligned pose sees a landmark
+  bool flow_as_well = true;     ///< where the anchor's pixels are not found
+};
+
+template <class Store>
+class DirectPoints {
+ public:
+  using Kind = typename Store::Kind;
+  using Sensors = typename Kind::Sensors;
+  using S = typename Kind::Scalar;
+  using Landmark = typename Store::Landmark;
+  using Options = DirectPointOptions;
+  static constexpr bool votes = true;
+  static constexpr bool relates_two_views = true;
+  static constexpr int max_alignment_samples = Store::capacity;
+
+  explicit DirectPoints(const Options& options) : options_(options), flow_(options) {}
+
+  /// Gives take(sample) of every located landmark that the previous image shows.
+  void for_each_alignment_sample(const View<Sensors>& view, const auto& window, const Store& store,
+                                 const SE3<S>& T_world_predicted, auto&& take) const {
+    const SE3<S> T_cam_world = (T_world_predicted * view.T_body_cam).inverse();
+    const SE3<S> T_previous_world = (view.T_world_previous * view.T_body_cam).inverse();
+    for (const Landmark& landmark : store.landmarks()) {
+      if (!landmark.current.valid || !landmark.located) continue;
+      const Vec<S, 3> at = p_world(landmark, window, view.T_body_cam);
+      const S range = (T_previous_world * at).norm();
+      const Unprojection<S> ray = view.camera().unproject(landmark.current.uv.template cast<S>());
+      const Projection<S> predicted = view.camera().project(T_cam_world * at);
+      if (!ray.valid || !predicted.valid) continue;
+      const Vec<S, 2> shift = view.shutter.seen(predicted.uv) - predicted.uv;
+      take(AlignmentSample<S>{landmark.current.pixel, shift.template cast<float>(),
+                              view.T_body_cam * Vec<S, 3>(range * ray.bearing), 1});
+    }
+  }
+
+  void follow(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_aligned) {
+    const SE3<S> T_cam_world = (T_world_aligned * view.T_body_cam).inverse();
+    for (Landmark& landmark : store.landmarks()) {
+      if (!landmark.current.valid) continue;
+      const Vec<float, 2> guess = flow_.expected(view, window, landmark, T_cam_world);
+      if (landmark.located) {
+        const Alignment aligned = align(view, window, landmark, T_cam_world, guess, /*coarse_start=*/false);
+        if (aligned.valid) {
+          observe(view, landmark, aligned);
+          continue;
+        }
+        if (!options_.flow_as_well) {
+          flow_.observe(view, landmark, false, guess);
+          continue;
+        }
+      }
+      const FlowResult flow =
+          track_point_checked(view.previous, view.current, landmark.current.pixel, guess, options_.flow);
+      flow_.observe(view, landmark, flow.valid, flow.uv);
+    }
+  }
+
+  void for_each_correspondence(const View<Sensors>& view, const auto& window, const Store& store, auto&& take) const {
+    flow_.for_each_correspondence(view, window, store, take);
+  }
+
+  /// Looks for those that are not tracked.
+  void refine(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
+    const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
+    auto& landmarks = store.landmarks();
+    const std::size_t n = landmarks.size();
+    int searches = 0;
+    // Which landmarks get searched for rotates, so that none is left out for ever.
+    for (std::size_t k = 0; k < n && searches < options_.max_searches; ++k) {
+      Landmark& landmark = landmarks[(k + first_search_) % n];
+      if (!landmark.located || landmark.current.valid) continue;
+      Vec<float, 2> seen;
+      if (!predict(view, window, landmark, T_cam_world, seen)) continue;
+      ++searches;
+      const Alignment aligned = align(view, window, landmark, T_cam_world, seen, /*coarse_start=*/true);
+      if (aligned.valid) {
+        observe(view, landmark, aligned);
+      } else {
+        flow_.observe(view, landmark, false, seen);
+      }
+    }
+    if (n > 0) first_search_ = (first_search_ + static_cast<std::size_t>(options_.max_searches)) % n;
+  }
+
+  void locate(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
+    flow_.locate(view, window, store, T_world_body);
+  }
+  void detect(const View<Sensors>& view, const auto& window, Store& store, int slot) {
+    flow_.detect(view, window, store, slot);
+  }
+  void for_each_pair(const View<Sensors>& view, const Store& store, int slot, auto&& visit) const {
+    flow_.for_each_pair(view, store, slot, visit);
+  }
+
+ private:
+  static constexpr float border_px = 8;  ///< half an alignment patch and the interpolation's neighbour
+
+  static Vec<S, 3> p_world(const Landmark& landmark, const auto& window, const SE3<S>& T_body_cam) {
+    return window.T_world_body(landmark.anchor) * (T_body_cam * Kind::middle(landmark.geometry));
+  }
+  /// Where the current image shows a landmark; false when it does not.
+  static bool predict(const View<Sensors>& view, const auto& window, const Landmark& landmark,
+                      const SE3<S>& T_cam_world, Vec<float, 2>& seen) {
+    const Projection<S> predicted = view.camera().project(T_cam_world * p_world(landmark, window, view.T_body_cam));
+    if (!predicted.valid) return false;
+    seen = view.shutter.seen(predicted.uv).template cast<float>();
+    return view.current.level(0).contains(seen.x(), seen.y(), border_px);
+  }
+
+  Alignment align(const View<Sensors>& view, const auto& window, const Landmark& landmark, const SE3<S>& T_cam_world,
+                  const Vec<float, 2>& guess, bool coarse_start) const {
+    const SE3<S> T_cam_anchor = T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam);
+    const auto& point = landmark.geometry;
+    const Mat<float, 2, 2> A =
+        affine_warp(view.camera(), view.camera(), point.bearing, S(1) / point.inverse_range, T_cam_anchor);
+    AlignmentOptions alignment = options_.alignment;
+    alignment.coarse_start = coarse_start;
+    Alignment aligned = align_patch(landmark.appearance, A, view.current, guess, alignment);
+    aligned.valid = aligned.valid && (coarse_start || (aligned.uv - guess).norm() < options_.max_correction_px);
+    return aligned;
+  }
+  void observe(const View<Sensors>& view, Landmark& landmark, const Alignment& aligned) const {
+    flow_.observe(view, landmark, true, aligned.uv);
+    landmark.current.L =
+        whitening_of(aligned.information_per_intensity, float(options_.sigma_px), float(options_.sigma_intensity));
+  }
+
+  Options options_;
+  PointFlow<Store> flow_;
+  std::size_t first_search_ = 0;
+};
+
+}  // namespace plumbline
