@@ -4,7 +4,7 @@
 ///   r_ij(T) = I_k( pi(T_cam_body T p_i) + D_j ) - (1 + a) I_{k-1}(u_i + D_j) - b,   T = T_cur_prev of the body   (1)
 ///   inverse   M_i = J_pi(P_i)  R_cam_body   [-[p_i]x, I],   gradients of the previous image, once a level         (7)
 ///   forward   M_i = J_pi(P'_i) R_cam_body R [-[p_i]x, I],   gradients of the current image, in each iteration     (8)
-///   w_i = rho'(e_i^2),   e_i = sqrt(mean_j r_ij^2) / sigma,   sigma = 1.4826 median e on the level                (9)
+///   w_i = rho'(e_i^2),   e_i = sqrt(mean_j r_ij^2) / sigma,   sigma = median of the errors on the level           (9)
 ///   T <- T [+] d:  R <- R Exp(dphi), p <- p + R dp
 /// The inverse form is exact for zero motion and a good step for others; its last steps on the finest level are forward
 /// ones when the motion is a good part of the depth. The prior and its Jacobian are those of each iteration. A gain and a
@@ -190,11 +190,11 @@ class ImageAligner {
     if (n == 0) return options_.min_sigma_intensity;
     const auto middle = errors_.begin() + std::ptrdiff_t(n / 2);
     std::nth_element(errors_.begin(), middle, errors_.begin() + std::ptrdiff_t(n));
-    return std::max(options_.min_sigma_intensity, 1.4826f * *middle);
+    return std::max(options_.min_sigma_intensity, *middle);
   }
 
   void accumulate(const ImageAlignment<S>& now, const IncrementPrior<S>& prior, System& system) const {
-    const StudentT<float> loss;
+    const GemanMcClure<float> loss{4};
     const float sigma = now.sigma_intensity;
     const float information = options_.independent / (sigma * sigma);
     for (std::size_t i = 0; i < samples_.size(); ++i) {
