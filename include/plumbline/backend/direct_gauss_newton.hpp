@@ -43,9 +43,10 @@ class DirectBackend {
   const Links& links() const { return bundle_.links(); }
 
   int start(TimeNs t_ns, const State& x) {
-    keyframe_ = bundle_.start(t_ns, x);
     alone_ = false;
-    return keyframe_;
+    const int slot = bundle_.start(t_ns, x);
+    know_keyframe();
+    return slot;
   }
   template <int Rows>
   void restart(auto&& state_of, const Mat<double, Rows, Layout::dim>& J_rest) {
@@ -58,16 +59,14 @@ class DirectBackend {
   /// The bundle of all keyframes, or the newest frame alone when it is none.
   void optimize(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks, bool keyframe = true) {
     alone_ = frame_.solve(rig, T_body_cam, landmarks, window(), links(), window().newest(), options_.frame);
-    if (!keyframe) return;
+    if (!keyframe) return bundle_.links().leave_unjudged(window().newest());
     optimize(rig, T_body_cam, landmarks, options_.solver);
   }
   LevenbergMarquardtSummary optimize(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks,
                                      const LevenbergMarquardtOptions& solver) {
     const LevenbergMarquardtSummary summary = bundle_.optimize(rig, T_body_cam, landmarks, solver);
     alone_ = false;
-    keyframe_ = window().newest();
-    Mat<S, Layout::dim, Layout::dim> covariance;
-    if (bundle_.covariance_of_newest(covariance)) frame_.set_keyframe(covariance);
+    know_keyframe();
     return summary;
   }
 
@@ -78,14 +77,19 @@ class DirectBackend {
   /// Of the newest frame's pose; false when it is not defined.
   bool covariance_of_newest(Mat<S, state::Pose::dim, state::Pose::dim>& covariance) const {
     if (!alone_) return bundle_.covariance_of_newest(covariance);
-    return frame_.covariance(window().T_world_body(keyframe_), window().T_world_body(window().newest()), covariance);
+    return frame_.covariance(window(), window().newest(), covariance);
   }
 
  private:
+  void know_keyframe() {
+    Mat<S, Layout::dim, Layout::dim> covariance = Mat<S, Layout::dim, Layout::dim>::Zero();
+    bundle_.covariance_of_newest(covariance);
+    frame_.set_keyframe(window().newest(), covariance);
+  }
+
   Options options_;
   Bundle bundle_;
   FrameSolve<Motion, Landmarks> frame_;
-  int keyframe_ = 0;    ///< slot of the last one
   bool alone_ = false;  ///< the newest frame was solved for alone
 };
 
