@@ -16,9 +16,8 @@
 namespace plumbline {
 
 struct DirectLineOptions : EdgeFollowingOptions {
-  float sample_spacing_px = 12;    ///< of the patches along a segment
-  float max_weight = 4;            ///< of all patches of a segment together, in patches of points
-  bool refine_after_pose = false;  ///< edges are found near the aligned pose; not again, near the estimated one
+  float sample_spacing_px = 12;  ///< of the patches along a segment
+  float max_weight = 1.5f;       ///< of all patches of a segment together, in patches of points
 };
 
 template <class Store, LineDetector Detector = LineSegmentDetector<>>

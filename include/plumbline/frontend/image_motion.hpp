@@ -15,11 +15,16 @@
 
 namespace plumbline {
 
+struct ImageMotionOptions : ImageAlignmentOptions {
+  double sigma_rotation = 0.05;     ///< of a prediction that does not say how sure it is [rad]
+  double sigma_translation = 0.05;  ///< of the same, in mean depths
+};
+
 template <SensorRig Sensors, int MaxSamples>
 class ImageMotion {
  public:
   using S = typename Sensors::Scalar;
-  using Options = ImageAlignmentOptions;
+  using Options = ImageMotionOptions;
   struct Named {
     Options image_alignment;
   };
@@ -33,7 +38,7 @@ class ImageMotion {
   /// Moves T, where the body is expected, to where the previous image fits best. Leaves it alone where that is not clear.
   bool align(const View<Sensors>& view, const PosePrior<S>& prior, SE3<S>& T_world_body) {
     const SE3<S> T_cur_prev = T_world_body.inverse() * view.T_world_previous;
-    const auto believed = prior.valid ? IncrementPrior<S>::of(T_cur_prev, prior.sigma) : IncrementPrior<S>{};
+    const auto believed = IncrementPrior<S>::of(T_cur_prev, prior.valid ? prior.sigma : wide());
     scratch_.resize(samples_.size());
     errors_.resize(samples_.size());
     ImageAligner<typename Sensors::Camera> aligner(view.camera(), view.T_body_cam, {samples_.data(), samples_.size()},
@@ -49,6 +54,17 @@ class ImageMotion {
   const ImageAlignment<S>& latest() const { return latest_; }
 
  private:
+  /// sigma of [dphi, dp].
+  Vec<S, 6> wide() const {
+    S inverse_range = S(0);
+    for (const AlignmentSample<S>& sample : samples_) inverse_range += 1 / sample.p_body.norm();
+    const S range = samples_.empty() ? S(1) : S(samples_.size()) / inverse_range;
+    Vec<S, 6> sigma;
+    sigma << Vec<S, 3>::Constant(S(options_.sigma_rotation)),
+        Vec<S, 3>::Constant(S(options_.sigma_translation) * range);
+    return sigma;
+  }
+
   static constexpr int levels = RigPyramid<Sensors>::levels;
   using Levels = std::array<ImageView<const std::uint8_t>, levels>;
 

@@ -8,12 +8,14 @@
 ///   T <- T [+] d:  R <- R Exp(dphi), p <- p + R dp
 /// The inverse form is exact for zero motion and a good step for others; its last steps on the finest level are forward
 /// ones when the motion is a good part of the depth. The prior and its Jacobian are those of each iteration. A gain and a
-/// bias of the whole frame are estimated with it. Coarse to fine; a step that raises the cost is taken back.
+/// bias of the whole frame are estimated with it. Coarse to fine; a step that raises the cost is taken back, and a coarse
+/// level that led away from the place that fits the next one better.
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "plumbline/camera/camera_model.hpp"
@@ -31,7 +33,7 @@
 namespace plumbline {
 
 struct ImageAlignmentOptions {
-  int coarsest_level = 3, finest_level = 1;
+  int coarsest_level = 2, finest_level = 1;
   int max_iterations = 8;           ///< a level
   int forward_iterations = 3;       ///< more on the finest level, where the motion is large
   double forward_baseline = 0.05;   ///< of the depth
@@ -84,6 +86,7 @@ class ImageAligner {
     for (int level = coarsest; level >= options_.finest_level; --level) {
       const auto& image = current[std::size_t(level)];
       capture(previous[std::size_t(level)], level);
+      if (level < coarsest) begin_at_better(image, level, prior, T_cur_prev, out);
       out.valid = iterate(image, level, false, options_.max_iterations, prior, out);
     }
     if (out.valid && is_large(out.T_cur_prev)) {
@@ -130,6 +133,22 @@ class ImageAligner {
       patch.M.row(k) << float(p.y() * z - p.z() * y), float(p.z() * x - p.x() * z), float(p.x() * y - p.y() * x),
           float(x), float(y), float(z);  // -row [p]x = p x row
     }
+  }
+
+  /// Coarse pixels may lead astray: the next level begins where they led, or where the search began, if that fits better.
+  void begin_at_better(const ImageView<const std::uint8_t>& image, int level, const IncrementPrior<S>& prior,
+                       const SE3<S>& T_first, ImageAlignment<S>& out) {
+    ImageAlignment<S> first = out;
+    first.T_cur_prev = T_first;
+    const auto cost_of = [&](ImageAlignment<S>& at, bool scale) {
+      compare(image, level, at, false);
+      if (scale) first.sigma_intensity = out.sigma_intensity = scale_of_errors();
+      System system;
+      accumulate(at, prior, system);
+      return system.patches < options_.min_patches ? std::numeric_limits<S>::infinity() : system.cost;
+    };
+    const S cost = cost_of(out, true);
+    if (!(cost <= cost_of(first, false))) out = first;
   }
 
   /// Iterates from `out`; false when too few patches are seen or they do not tell the motion.
