@@ -66,7 +66,7 @@ struct Alignment {
   std::vector<AlignmentSample<S>> samples;
   std::vector<AlignmentPatch> scratch;
   std::vector<float> errors;
-  ImageAlignmentOptions options;
+  ImageAlignmentOptions options{.coarsest_level = 3};
 
   explicit Alignment(const Shot& previous) {
     FixedVector<Corner, 200> corners;
