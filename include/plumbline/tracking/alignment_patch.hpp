@@ -7,11 +7,29 @@
 /// M is the same for all samples of a patch, so that its normal equations are those of four numbers a sample,
 ///   sum J_j^T J_j = C^T (sum q_j q_j^T) C,   q_j = (g_j, -I_j, -1),   C = [(1 + a) M 0 0; 0 1 0; 0 0 1]        (3)
 
+#include <cmath>
+#include <cstdint>
+
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/image/image_view.hpp"
 #include "plumbline/image/patch.hpp"
 
 namespace plumbline {
+
+/// M of (2) [px/rad, px/m]: how the pixel of a point at p_body moves when the body does, by [dphi, dp] of
+/// T_cur_prev [+] d.  M = J_pi R_cam_prev [-[p]x, I],  R_cam_prev = R_cam_body R of the increment, R = I for motions of
+/// the previous image's content.
+template <class S>
+Mat<S, 2, 6> motion_jacobian(const Mat<S, 2, 3>& J_uv_p, const Mat<S, 3, 3>& R_cam_prev, const Vec<S, 3>& p_body) {
+  const Mat<S, 2, 3> by_position = product(J_uv_p, R_cam_prev);
+  Mat<S, 2, 6> M;
+  for (int k = 0; k < 2; ++k) {
+    const S x = by_position(k, 0), y = by_position(k, 1), z = by_position(k, 2);
+    M.row(k) << p_body.y() * z - p_body.z() * y, p_body.z() * x - p_body.x() * z, p_body.x() * y - p_body.y() * x, x, y,
+        z;  // -row [p]x = p x row
+  }
+  return M;
+}
 
 struct AlignmentPatch {
   static constexpr int size = 4, samples = size * size;

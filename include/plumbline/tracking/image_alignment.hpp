@@ -126,12 +126,9 @@ class ImageAligner {
   }
   void set_jacobian(AlignmentPatch& patch, const Projection<S>& projection, const Mat<S, 3, 3>& R_cam_prev,
                     std::size_t i, S scale) const {
-    const Mat<S, 2, 3> by_position = product(projection.J_uv_p, R_cam_prev);
-    const Vec<S, 3>& p = samples_[i].p_body;
-    for (int k = 0; k < 2; ++k) {
-      const S x = scale * by_position(k, 0), y = scale * by_position(k, 1), z = scale * by_position(k, 2);
-      patch.M.row(k) << float(p.y() * z - p.z() * y), float(p.z() * x - p.x() * z), float(p.x() * y - p.y() * x),
-          float(x), float(y), float(z);  // -row [p]x = p x row
+    const Mat<S, 2, 6> M = motion_jacobian(projection.J_uv_p, R_cam_prev, samples_[i].p_body);
+    for (int c = 0; c < 6; ++c) {
+      for (int k = 0; k < 2; ++k) patch.M(k, c) = float(scale * M(k, c));
     }
   }
 
