@@ -33,8 +33,8 @@ static_assert(!Sensors::has_depth && Sensors::has_imu && Simulated::Backend::Lay
 
 }  // namespace
 
-TEST_CASE("semi_direct_vio: four seconds in a room, begun in motion") {
-  constexpr int frame_count = 80;
+TEST_CASE("semi_direct_vio: eight seconds in a room, begun in motion") {
+  constexpr int frame_count = 160;
   constexpr double first_s = 2;
   const test::SimulatedRgbd world(frame_count, first_s);
   const testing::ImuQuality quality;

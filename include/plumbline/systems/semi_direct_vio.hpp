@@ -1,6 +1,6 @@
 #pragma once
-/// Monocular-inertial odometry with points and lines, semi-direct, after Y. Li et al. and the reference in
-/// docs/math/direct.md: the fast lane, for a small computer.
+/// Monocular-inertial odometry with points and lines, after N. Zhang, Y. Zhao, "Fast and Robust Monocular
+/// Visual-Inertial Odometry Using Points and Lines" (2019): the fast lane, for a small computer.   docs/math/direct.md
 ///
 ///   static SemiDirectVio<Pinhole<float, RadTan>> vio{rig, {}};
 ///
