@@ -52,8 +52,12 @@ class DirectBackend {
   void restart(auto&& state_of, const Mat<double, Rows, Layout::dim>& J_rest) {
     bundle_.restart(state_of, J_rest);
   }
+  void hold_distance(int i, int j, double sigma) { bundle_.hold_distance(i, j, sigma); }
   void hold_scale(int i, int j) { bundle_.hold_scale(i, j); }
-  int insert(TimeNs t_ns, const State& x, const Link& link) { return bundle_.insert(t_ns, x, link); }
+  int insert(TimeNs t_ns, const State& x, const Link& link) {
+    if constexpr (requires { link.previous; }) frame_.follow(window(), link.previous);
+    return bundle_.insert(t_ns, x, link);
+  }
   void drop(Landmarks& landmarks, int slot) { bundle_.drop(landmarks, slot); }
 
   /// The bundle of all keyframes, or the newest frame alone when it is none.

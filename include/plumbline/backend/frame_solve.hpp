@@ -41,20 +41,14 @@ class FrameSolve {
   void set_keyframe(int slot, const Covariance& covariance) {
     keyframe_ = slot;
     pose_of_keyframe_ = block<pose_dim, pose_dim>(covariance, 0, 0);
-    if constexpr (rest_dim > 0) {
-      L_rest_ = Rest::Identity() * (1 / fallback_sigma);
-      Cholesky<S, pose_dim> factor;
-      if (!factor.compute(pose_of_keyframe_, Vec<S, pose_dim>(Vec<S, pose_dim>::Zero()))) return;
-      Rest conditional = block<rest_dim, rest_dim>(covariance, pose_dim, pose_dim);
-      for (int c = 0; c < rest_dim; ++c) {
-        Vec<S, pose_dim> by_pose = block<pose_dim, 1>(covariance, 0, pose_dim + c);
-        factor.solve_in_place(by_pose);
-        for (int r = 0; r < rest_dim; ++r) {
-          for (int k = 0; k < pose_dim; ++k) conditional(r, c) -= covariance(pose_dim + r, k) * by_pose[k];  // (10)
-        }
-      }
-      if (const auto L = square_root_information(conditional)) L_rest_ = *L;
-    }
+    set_rest(covariance);
+  }
+  /// The next frame hangs on the one in `slot`: a frame that was solved alone may stay, and be the keyframe.
+  void follow(const auto& window, int slot) {
+    if (slot == keyframe_ || slot != latest_ || !known_) return;
+    pose_of_keyframe_ = carried(window, latest_) + block<pose_dim, pose_dim>(relative_, 0, 0);
+    set_rest(relative_);
+    keyframe_ = latest_;
   }
 
   /// Moves the state of the frame in `slot`; false, and nothing moved, when the rows do not determine it.
@@ -62,6 +56,7 @@ class FrameSolve {
   bool solve(const Sensors& rig, const SE3<S>& T_body_cam, const Landmarks& landmarks, Window& window,
              const auto& links, int slot, const FrameSolveOptions& options) {
     landmarks.for_each_with(terms_, [&](const auto& store, auto& terms) { terms.collect(store, window, T_body_cam); });
+    latest_ = slot;
     const typename Window::State before = window.state(slot), keyframe_before = window.state(keyframe_);
     System system;
     known_ = false;
@@ -93,14 +88,13 @@ class FrameSolve {
     window.state(keyframe_) = keyframe_before;  // it is the window's
     Mat<S, System::dim, System::dim> covariance;
     known_ = system.covariance(covariance);
-    if (known_) relative_ = block<pose_dim, pose_dim>(covariance, 0, 0);
+    if (known_) relative_ = block<dim, dim>(covariance, 0, 0);
     return true;
   }
 
   /// (11) of the frame in `slot` that was solved last; false when it is not defined.
   bool covariance(const auto& window, int slot, PoseCovariance& out) const {
-    const PoseCovariance Ad = (window.T_world_body(slot).inverse() * window.T_world_body(keyframe_)).adjoint();
-    out = product_transposed(product(Ad, pose_of_keyframe_), Ad) + relative_;
+    out = carried(window, slot) + block<pose_dim, pose_dim>(relative_, 0, 0);
     return known_;
   }
 
@@ -108,6 +102,30 @@ class FrameSolve {
   using System = DenseNormalEquations<S, dim + rest_dim>;  ///< the frame, then the rest of its keyframe
   using Rest = Mat<S, rest_dim, rest_dim>;
   static constexpr S fallback_sigma = S(0.1);  ///< where the window does not know the keyframe
+
+  /// The keyframe's pose covariance as one of the frame in `slot`.
+  PoseCovariance carried(const auto& window, int slot) const {
+    const PoseCovariance Ad = (window.T_world_body(slot).inverse() * window.T_world_body(keyframe_)).adjoint();
+    return product_transposed(product(Ad, pose_of_keyframe_), Ad);
+  }
+  /// (10)
+  void set_rest(const Covariance& covariance) {
+    if constexpr (rest_dim > 0) {
+      L_rest_ = Rest::Identity() * (1 / fallback_sigma);
+      Cholesky<S, pose_dim> factor;
+      if (!factor.compute(block<pose_dim, pose_dim>(covariance, 0, 0), Vec<S, pose_dim>(Vec<S, pose_dim>::Zero())))
+        return;
+      Rest conditional = block<rest_dim, rest_dim>(covariance, pose_dim, pose_dim);
+      for (int c = 0; c < rest_dim; ++c) {
+        Vec<S, pose_dim> by_pose = block<pose_dim, 1>(covariance, 0, pose_dim + c);
+        factor.solve_in_place(by_pose);
+        for (int r = 0; r < rest_dim; ++r) {
+          for (int k = 0; k < pose_dim; ++k) conditional(r, c) -= covariance(pose_dim + r, k) * by_pose[k];
+        }
+      }
+      if (const auto L = square_root_information(conditional)) L_rest_ = *L;
+    }
+  }
 
   template <int Rows, class T>
   static void add_link(const Mat<T, Rows, dim>& J_i, const Mat<T, Rows, dim>& J_j, const Vec<T, Rows>& r,
@@ -137,9 +155,10 @@ class FrameSolve {
   }
 
   typename Landmarks::template TupleOf<MotionTerms> terms_;
-  int keyframe_ = 0;
+  int keyframe_ = 0, latest_ = -1;  ///< slots; the latest that was solved alone
   Rest L_rest_ = Rest::Identity();  ///< L of (10)
-  PoseCovariance pose_of_keyframe_ = PoseCovariance::Zero(), relative_ = PoseCovariance::Zero();
+  PoseCovariance pose_of_keyframe_ = PoseCovariance::Zero();
+  Covariance relative_ = Covariance::Zero();  ///< of the latest, the keyframe's pose being given
   bool known_ = false;
 };
 

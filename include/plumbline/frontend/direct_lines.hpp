@@ -16,6 +16,9 @@
 namespace plumbline {
 
 struct DirectLineOptions : EdgeFollowingOptions {
+  DirectLineOptions() {
+    search_tracked_again = false;  // the aligned pose is nearly the estimated one
+  }
   float sample_spacing_px = 12;  ///< of the patches along a segment
   float max_weight = 1.5f;       ///< of all patches of a segment together, in patches of points
 };

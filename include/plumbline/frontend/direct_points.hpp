@@ -24,10 +24,10 @@
 namespace plumbline {
 
 struct DirectPointOptions : PointFlowOptions {
-  float max_correction_px = 4;   ///< from where the aligned pose sees a landmark
-  bool flow_as_well = true;      ///< where the anchor's pixels are not found
-  bool filter_depth = true;      ///< of new landmarks; else by the two views that have enough parallax
-  double max_depth_error = 0.33; ///< relative: new landmarks whose inverse depth is known better have a place in space
+  float max_correction_px = 4;    ///< from where the aligned pose sees a landmark
+  bool flow_as_well = true;       ///< where the anchor's pixels are not found
+  bool filter_depth = true;       ///< of new landmarks; else by the two views that have enough parallax
+  double max_depth_error = 0.33;  ///< relative: new landmarks whose inverse depth is known better have a place in space
 };
 
 template <class Store>
