@@ -98,7 +98,7 @@ class DirectBackend {
 };
 
 /// The last `Keyframes` keyframes; FrontEndPolicy finds their landmarks.
-template <int Keyframes = 7, class FrontEndPolicy = DirectAlignment>
+template <int Keyframes = 10, class FrontEndPolicy = DirectAlignment>
 struct DirectGaussNewton {
   static_assert(Keyframes >= 3, "plumbline: a bundle needs at least three keyframes");
   static constexpr int slots = Keyframes;
