@@ -1,5 +1,5 @@
-// What the direct backend is, and that a frame alone is where the window would have it. Its errors against its covariance:
-// consistency_direct.cpp.                                                                        docs/math/direct.md
+// What the direct backend is, and that a frame alone is where the window would have it. Its errors against its
+// covariance: consistency_direct.cpp.                                                              docs/math/direct.md
 #include "plumbline/backend/direct_gauss_newton.hpp"
 
 #include <cmath>

@@ -1,10 +1,10 @@
 #pragma once
 /// Backend: every frame alone against the map, and a local bundle of the last K keyframes when one is made.
 ///                                                                                          docs/math/direct.md
-/// A frame is the least that its images and links say: its pose, and with an IMU its velocity and biases, tied to the last
-/// keyframe (FrameSolve). Keyframes and landmarks are estimated together by a few steps of Gauss-Newton, and keyframes that
-/// leave are marginalized (WindowBackend), so that neither scale nor gravity drifts. By default features are found by
-/// direct alignment.
+/// A frame is the least that its images and links say: its pose, and with an IMU its velocity and biases, tied to the
+/// last keyframe (FrameSolve). Keyframes and landmarks are estimated together by a few steps of Gauss-Newton, and
+/// keyframes that leave are marginalized (WindowBackend), so that neither scale nor gravity drifts. By default features
+/// are found by direct alignment.
 
 #include "plumbline/backend/backend.hpp"
 #include "plumbline/backend/frame_solve.hpp"

@@ -1,6 +1,6 @@
 #pragma once
-/// Lines by direct alignment: the pixels along them help to find the frame's pose (frontend/image_motion.hpp); then each is
-/// found by its edge, near to where that pose sees it.                        docs/math/direct.md, docs/math/line.md
+/// Lines by direct alignment: the pixels along them help to find the frame's pose (frontend/image_motion.hpp); then
+/// each is found by its edge, near to where that pose sees it.                  docs/math/direct.md, docs/math/line.md
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 #pragma once
-/// Points by direct alignment: the frame's pose comes from the pixels of all of them together (frontend/image_motion.hpp),
-/// and each is then aligned with its pixels in the anchor where that pose sees it. Without a depth sensor the inverse
-/// depth of a new one is filtered from frame to frame until it is known. Landmarks out of sight are looked for where the
-/// estimated pose puts them. Before there is a map all are followed by optical flow.
+/// Points by direct alignment: the frame's pose comes from the pixels of all of them together
+/// (frontend/image_motion.hpp), and each is then aligned with its pixels in the anchor where that pose sees it. Without
+/// a depth sensor the inverse depth of a new one is filtered from frame to frame until it is known. Landmarks out of
+/// sight are looked for where the estimated pose puts them. Before there is a map all are followed by optical flow.
 ///                                                                          docs/math/direct.md, docs/math/tracking.md
 
 #include <array>

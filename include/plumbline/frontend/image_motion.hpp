@@ -1,5 +1,6 @@
 #pragma once
-/// The pose of a frame from the pixels around all landmarks that the previous frame saw, before any of them is followed.
+/// The pose of a frame from the pixels around all landmarks that the previous frame saw, before any of them is
+/// followed.
 ///                                                                                          docs/math/direct.md
 
 #include <array>
@@ -35,7 +36,8 @@ class ImageMotion {
   void clear() { samples_.clear(); }
   void add(const AlignmentSample<S>& sample) { samples_.push_back(sample); }
 
-  /// Moves T, where the body is expected, to where the previous image fits best. Leaves it alone where that is not clear.
+  /// Moves T, where the body is expected, to where the previous image fits best. Leaves it alone where that is not
+  /// clear.
   bool align(const View<Sensors>& view, const PosePrior<S>& prior, SE3<S>& T_world_body) {
     const SE3<S> T_cur_prev = T_world_body.inverse() * view.T_world_previous;
     const auto believed = IncrementPrior<S>::of(T_cur_prev, prior.valid ? prior.sigma : wide());

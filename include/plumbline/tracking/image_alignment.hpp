@@ -7,9 +7,9 @@
 ///   w_i = rho'(e_i^2),   e_i = sqrt(mean_j r_ij^2) / sigma,   sigma = median of the errors on the level           (9)
 ///   T <- T [+] d:  R <- R Exp(dphi), p <- p + R dp
 /// The inverse form is exact for zero motion and a good step for others; its last steps on the finest level are forward
-/// ones when the motion is a good part of the depth. The prior and its Jacobian are those of each iteration. A gain and a
-/// bias of the whole frame are estimated with it. Coarse to fine; a step that raises the cost is taken back, and a coarse
-/// level that led away from the place that fits the next one better.
+/// ones when the motion is a good part of the depth. The prior and its Jacobian are those of each iteration. A gain and
+/// a bias of the whole frame are estimated with it. Coarse to fine; a step that raises the cost is taken back, and a
+/// coarse level that led away from the place that fits the next one better.
 
 #include <algorithm>
 #include <cmath>
@@ -132,7 +132,8 @@ class ImageAligner {
     }
   }
 
-  /// Coarse pixels may lead astray: the next level begins where they led, or where the search began, if that fits better.
+  /// Coarse pixels may lead astray: the next level begins where they led, or where the search began, if that fits
+  /// better.
   void begin_at_better(const ImageView<const std::uint8_t>& image, int level, const IncrementPrior<S>& prior,
                        const SE3<S>& T_first, ImageAlignment<S>& out) {
     ImageAlignment<S> first = out;

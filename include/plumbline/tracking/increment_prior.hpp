@@ -27,7 +27,8 @@ struct IncrementPrior {
   SE3<S> T_cur_prev;                                                                  ///< (R~, p~)
   Mat<S, 3, 3> L_rotation = Mat<S, 3, 3>::Zero(), L_position = Mat<S, 3, 3>::Zero();  ///< L^T L = Sigma^-1
 
-  /// Of a current body predicted at `T_cur_prev` from the previous one, its pose's error [dphi, dp] known up to `sigma`.
+  /// Of a current body predicted at `T_cur_prev` from the previous one, its pose's error [dphi, dp] known up to
+  /// `sigma`.
   static IncrementPrior of(const SE3<S>& T_cur_prev, const Vec<S, 6>& sigma) {
     IncrementPrior out;
     out.T_cur_prev = T_cur_prev;
