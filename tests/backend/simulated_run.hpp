@@ -128,7 +128,7 @@ class BackendRun {
 
   FrameError error() const {
     const Vec<double, 6> d = minus(reading_.motion.T_world_body, state_.T_world_body.template cast<double>());
-    Mat<S, 6, 6> C;
+    Mat<S, 6, 6> C = Mat<S, 6, 6>::Identity();
     const bool known = backend_->covariance_of_newest(C);
     const auto nees = [&](int i) {
       const Vec<double, 3> e = d.segment<3>(i);
@@ -151,7 +151,7 @@ class BackendRun {
     Mat<double, 6, 4> N = Mat<double, 6, 4>::Zero();
     N.col(0) << R_body_world * up, R_body_world * up.cross(Vec<double, 3>(T.p() - T_start_.p()));
     N.bottomRightCorner<3, 3>() = R_body_world;
-    Mat<S, 6, 6> C;
+    Mat<S, 6, 6> C = Mat<S, 6, 6>::Identity();
     if (!backend_->covariance_of_newest(C)) return Vec<double, 4>::Constant(std::nan(""));
     const double sigma = window_options_.sigma_first_position;
     const Mat<double, 4, 4> information = sigma * sigma * N.transpose() * C.template cast<double>().inverse() * N;
