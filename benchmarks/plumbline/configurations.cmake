@@ -14,8 +14,10 @@ set(plumbline_features
   "points+lines = pl::Features<pl::Points<400>, pl::Lines<100>>")
 
 set(plumbline_backends
-  "window = pl::SlidingWindow<10>")
+  "window = pl::SlidingWindow<10>"
+  "direct = pl::DirectGaussNewton<>")
 
 # Published systems by their names.
 set(plumbline_systems
+  "semi-direct-vio   = mono-imu/points+lines/direct"
   "rgbd-inertial-vio = rgbd-imu/points+lines/window")

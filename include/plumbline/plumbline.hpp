@@ -1,6 +1,7 @@
 #pragma once
 /// Everything an estimator is composed of. Firmware that minds its compile time includes what it names instead.
 
+#include "plumbline/backend/direct_gauss_newton.hpp"
 #include "plumbline/backend/sliding_window.hpp"
 #include "plumbline/camera/any_camera.hpp"
 #include "plumbline/camera/double_sphere.hpp"
@@ -16,3 +17,4 @@
 #include "plumbline/sensor/rgbd.hpp"
 #include "plumbline/sensor/rig.hpp"
 #include "plumbline/systems/rgbd_inertial_vio.hpp"
+#include "plumbline/systems/semi_direct_vio.hpp"

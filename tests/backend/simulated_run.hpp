@@ -72,16 +72,18 @@ struct SimulatedLines {
   }
 };
 
-template <class Sensors, int K, class... Kinds>
-class SimulatedRun {
+/// BackendPolicy as an estimator names it; its front ends are not used.
+template <class BackendPolicy, class Sensors, class... Kinds>
+class BackendRun {
  public:
+  static constexpr int K = BackendPolicy::slots;
   using S = typename Sensors::Scalar;
   using Motion = Inertial<Sensors>;
   using FrontEnds = plumbline::FrontEnds<Flow, Sensors, K, Features<Kinds...>>;
   using Landmarks = typename FrontEnds::Landmarks;
-  using Backend = WindowBackend<Motion, Landmarks, K>;
+  using Backend = typename BackendPolicy::template Backend<Motion, Landmarks>;
 
-  explicit SimulatedRun(std::uint64_t seed, const RunOptions& options = {})
+  explicit BackendRun(std::uint64_t seed, const RunOptions& options = {})
       : options_(options),
         trajectory_(*testing::Trajectory::for_scene("room", seed)),
         imu_(quality(options.noise), seed),
@@ -126,7 +128,7 @@ class SimulatedRun {
 
   FrameError error() const {
     const Vec<double, 6> d = minus(reading_.motion.T_world_body, state_.T_world_body.template cast<double>());
-    Mat<S, 6, 6> C;
+    Mat<S, 6, 6> C = Mat<S, 6, 6>::Identity();
     const bool known = backend_->covariance_of_newest(C);
     const auto nees = [&](int i) {
       const Vec<double, 3> e = d.segment<3>(i);
@@ -149,7 +151,7 @@ class SimulatedRun {
     Mat<double, 6, 4> N = Mat<double, 6, 4>::Zero();
     N.col(0) << R_body_world * up, R_body_world * up.cross(Vec<double, 3>(T.p() - T_start_.p()));
     N.bottomRightCorner<3, 3>() = R_body_world;
-    Mat<S, 6, 6> C;
+    Mat<S, 6, 6> C = Mat<S, 6, 6>::Identity();
     if (!backend_->covariance_of_newest(C)) return Vec<double, 4>::Constant(std::nan(""));
     const double sigma = window_options_.sigma_first_position;
     const Mat<double, 4, 4> information = sigma * sigma * N.transpose() * C.template cast<double>().inverse() * N;
@@ -205,7 +207,7 @@ class SimulatedRun {
   /// The first keyframes as vision alone would have put them, and the inertial window over them.
   void start() {
     const SE3<double> T_first = reading_.motion.T_world_body;
-    const WindowOptions& w = window_options_;
+    const auto& w = window_options_;
     // In the world: tilt, which is measured, and heading, which is not.
     const Vec<double, 3> turn(0.005 * noise_(), 0.005 * noise_(), w.sigma_first_rotation * noise_());
     T_start_ = SE3<double>(SO3<double>::exp(turn) * T_first.rotation(),
@@ -333,7 +335,7 @@ class SimulatedRun {
   }
 
   RunOptions options_;
-  WindowOptions window_options_;
+  typename Backend::Options window_options_;
   testing::Trajectory trajectory_;
   testing::SimulatedImu imu_;
   testing::Gaussian noise_;
@@ -352,5 +354,8 @@ class SimulatedRun {
   Preintegration<S> since_frame_, since_keyframe_;
   int keyframe_slot_ = 0, temporary_slot_ = -1, frames_ = 0, retirements_ = 0;
 };
+
+template <class Sensors, int K, class... Kinds>
+using SimulatedRun = BackendRun<SlidingWindow<K>, Sensors, Kinds...>;
 
 }  // namespace plumbline::test

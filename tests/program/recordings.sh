@@ -44,5 +44,16 @@ for features in points points+lines; do
   within mono/$features/window euroc_mh01_flight "$euroc_truth" sim3 0.06 49
   within mono/$features/window kitti00_first20s poses.txt sim3 2 20
 done
+within rgbd/points/direct tum_fr1_rpy_first12s groundtruth.txt se3 0.025 0
+within rgbd/points+lines/direct icl_office_kt0_3s groundtruth.txt se3 0.006 0
+within rgbd/points+lines/direct rendered_lowtex_rgbd groundtruth.txt se3 0.012 0
+within rgbd/points+lines/direct tum_fr1_rpy_first12s groundtruth.txt se3 0.02 0
+within rgbd/lines/direct rendered_lowtex_rgbd groundtruth.txt se3 0.015 0
+within rgbd-imu/points+lines/direct rendered_lowtex_rgbd groundtruth_body.csv posyaw 0.009 20
+within mono-imu/points/direct euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
+within mono-imu/lines/direct euroc_mh01_flight "$euroc_truth" posyaw 0.12 49
+within semi-direct-vio euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
+within mono/points+lines/direct rendered_office_mono "$euroc_truth" sim3 0.04 90
+within mono/points+lines/direct euroc_mh01_flight "$euroc_truth" sim3 0.06 49
 within mono/lines/window rendered_office_mono "$euroc_truth" sim3 0.2 90
 finish

@@ -62,3 +62,23 @@ TEMPLATE_TEST_CASE("gauss_newton: finds a pose from points", "", float, double) 
   }
   REQUIRE(minus(T, truth).norm() < (sizeof(S) == 4 ? 1e-5 : 1e-13));
 }
+
+TEMPLATE_TEST_CASE("gauss_newton: equations of the first parameters alone", "", float, double) {
+  using S = TestType;
+  Random random(2);
+  DenseNormalEquations<S, 5> whole, expected;
+  DenseNormalEquations<S, 3> leading;
+  for (int k = 0; k < 10; ++k) {
+    const Mat<S, 2, 3> J = random_matrix<S, 2, 3>(random);
+    const Vec<S, 2> r = random_matrix<S, 2, 1>(random);
+    leading.add(J, r, S(0.5));
+    leading.add_cost(S(1));
+    Mat<S, 2, 5> wide = Mat<S, 2, 5>::Zero();
+    set_block(wide, 0, 0, J);
+    expected.add(wide, r, S(0.5));
+  }
+  whole.add(leading);
+  REQUIRE(whole.cost() == leading.cost());
+  REQUIRE((whole.H() - expected.H()).norm() < S(1e-5));
+  REQUIRE((whole.b() - expected.b()).norm() < S(1e-5));
+}

@@ -52,6 +52,7 @@ class WindowBackend {
   const Window& window() const { return window_; }
   Window& window() { return window_; }
   const Links& links() const { return links_; }
+  Links& links() { return links_; }
 
   /// Forgets everything and begins with one frame at a pose that defines the world. Returns its slot.
   int start(TimeNs t_ns, const State& x) {

@@ -90,7 +90,7 @@ class Estimator {
     if (core_.motion.carries_on() && core_.images.repeats() && !core_.motion.may_rest(view.t_ns))
       return recover(view, predicted.state, HealthReason::images_repeat);
     SE3<S> T = predicted.state.T_world_body;
-    core_.track(view, T);
+    core_.track(view, predicted, T);
     timing_.track = TimeSource::now() - begin;
     Covariance covariance;
     const HealthReason lacks = core_.find_pose(view, predicted, T, covariance);

@@ -26,10 +26,11 @@
 namespace plumbline {
 
 struct EdgeFollowingOptions {
-  float sigma_px = 0.4f;      ///< of an endpoint across the segment, however long and sharp the edge
-  float peak_spacing_px = 4;  ///< of peaks along the edge that err independently
-  int target_count = 60;      ///< segments are detected until this many landmarks are in sight
-  float search_again_px = 5;  ///< across the edge, once the pose is known
+  float sigma_px = 0.4f;             ///< of an endpoint across the segment, however long and sharp the edge
+  float peak_spacing_px = 4;         ///< of peaks along the edge that err independently
+  int target_count = 60;             ///< segments are detected until this many landmarks are in sight
+  float search_again_px = 5;         ///< across the edge, once the pose is known
+  bool search_tracked_again = true;  ///< else those alone that were not found
   LineDetectorOptions detector;
   LineTrackingOptions tracking;
   LineDepthSampling depth;
@@ -75,7 +76,8 @@ class EdgeFollowing {
     for (Landmark& landmark : store.landmarks()) {
       if (!landmark.located) continue;
       LineSegment guess;
-      if (predicted_segment(view, window, landmark, T_cam_world, guess)) {
+      const bool search = options_.search_tracked_again || !landmark.current.valid;
+      if (search && predicted_segment(view, window, landmark, T_cam_world, guess)) {
         const Observation before = landmark.current;
         look_for(view, landmark, guess, near);
         if (!landmark.current.valid && before.valid) landmark.current = before;

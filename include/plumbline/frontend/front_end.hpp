@@ -3,6 +3,7 @@
 /// landmarks belong to the store.
 ///
 /// In the order of one frame:
+///   (align)   the pose, from pixels that all landmarks together know the depth of, `for_each_alignment_sample`
 ///   follow    every landmark of the previous image into the current one, from where the predicted pose sees it
 ///   (vote)    what its landmarks have to say in the search for the pose that most agree on, `for_each_correspondence`
 ///   refine    looks again where the estimated pose sees a landmark: tracked ones are corrected, lost ones found

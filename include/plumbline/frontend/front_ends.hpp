@@ -13,12 +13,40 @@
 #include "plumbline/frontend/front_end.hpp"
 #include "plumbline/geometry/pose_ransac.hpp"
 #include "plumbline/geometry/two_view.hpp"
+#include "plumbline/state/pose_prior.hpp"
 
 namespace plumbline {
 
 /// Options of one kind: those of its store and those of its front end, side by side.
 template <class FrontEndOptions>
 struct KindOptions : StoreOptions, FrontEndOptions {};
+
+namespace detail {
+
+/// Of a policy that follows every landmark by itself: no state, no code.
+struct NoImageMotion {
+  struct Named {};
+  static Named options_of(const auto&) { return {}; }
+  explicit NoImageMotion(const Named&) {}
+};
+template <class Policy, class Sensors, int MaxSamples>
+struct ImageMotionOf {
+  using Type = NoImageMotion;
+};
+template <class Policy, class Sensors, int MaxSamples>
+requires requires { typename Policy::template Motion<Sensors, MaxSamples>; }
+struct ImageMotionOf<Policy, Sensors, MaxSamples> {
+  using Type = typename Policy::template Motion<Sensors, MaxSamples>;
+};
+
+/// What the landmarks of a front end may add to the alignment of two images.
+template <class FrontEnd>
+constexpr int max_alignment_samples_of() {
+  if constexpr (requires { FrontEnd::max_alignment_samples; }) return FrontEnd::max_alignment_samples;
+  return 0;
+}
+
+}  // namespace detail
 
 template <class Policy, class Sensors, int Slots, class FeatureSet>
 class FrontEnds;
@@ -32,15 +60,38 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
   template <class Entry>
   using Of = typename Policy::template Of<Entry, typename Set::template StoreOf<Entry, Sensors, Slots>>;
 
+  using ImageMotion = typename detail::ImageMotionOf<Policy, Sensors,
+                                                     (0 + ... + detail::max_alignment_samples_of<Of<Entries>>())>::Type;
+
   /// All options by name: `options.points`, `options.lines`, ...
-  struct Options : Entries::template Named<KindOptions<typename Of<Entries>::Options>>... {};
+  struct Options : Entries::template Named<KindOptions<typename Of<Entries>::Options>>..., ImageMotion::Named {};
 
   /// Whether a kind tells which bearings of two views belong together: a camera without depth starts by them.
   static constexpr bool relates_two_views = (false || ... || requires { Of<Entries>::relates_two_views; });
 
-  explicit FrontEnds(const Options& options) : front_ends_(Entries::options_of(options)...) {}
+  explicit FrontEnds(const Options& options)
+      : front_ends_(Entries::options_of(options)...), image_motion_(ImageMotion::options_of(options)) {}
 
   static Landmarks make_landmarks(const Options& options) { return Landmarks(Entries::options_of(options)...); }
+
+  /// Moves T, where the frame is expected, to where the images have it, of a policy that compares them as a whole
+  /// (`template <class Sensors, int MaxSamples> using Motion`).
+  void align(const View<Sensors>& view, const auto& window, const Landmarks& landmarks, const PosePrior<S>& prior,
+             SE3<S>& T_world_body) {
+    if constexpr (requires { image_motion_.clear(); }) {
+      image_motion_.clear();
+      const SE3<S> T_world_predicted = T_world_body;
+      Landmarks::for_each_index([&]<std::size_t I>() {
+        const auto& front_end = std::get<I>(front_ends_);
+        if constexpr (requires { front_end.max_alignment_samples; }) {
+          front_end.for_each_alignment_sample(view, window, landmarks.template get<I>(), T_world_predicted,
+                                              [&](const auto& sample) { image_motion_.add(sample); });
+        }
+      });
+      image_motion_.align(view, prior, T_world_body);
+    }
+  }
+  const ImageMotion& image_motion() const { return image_motion_; }
 
   /// Follows all landmarks into the current image.
   void follow(const View<Sensors>& view, const auto& window, Landmarks& landmarks, const SE3<S>& T_world_predicted) {
@@ -160,6 +211,7 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
   }
 
   std::tuple<Of<Entries>...> front_ends_;
+  [[no_unique_address]] ImageMotion image_motion_;
   FixedVector<PoseCorrespondence<S>, (votes > 0 ? votes : 1)> votes_;
   FixedVector<Voter, (votes > 0 ? votes : 1)> voters_;
 };

@@ -53,6 +53,7 @@ class InertialLinks {
 
   void insert(int slot, const NavState<S>& x, const Link& link) {
     links_[slot].link = link;
+    links_[slot].judged = true;
     integrate(links_[slot], x);
   }
   /// The frame leaves; what it tied together is in the prior or given up.
@@ -134,6 +135,8 @@ class InertialLinks {
     return sum;
   }
 
+  /// The link's ends were not estimated together: how well they agree says nothing about the readings.
+  void leave_unjudged(int slot) { links_[slot].judged = false; }
   /// Mean squared whitened residual of rotation, position and velocity over all increments: about 1 where the readings
   /// agree with the states as well as their noise allows, 0 without increments.
   double disagreement(const auto& window) const {
@@ -141,7 +144,7 @@ class InertialLinks {
     double sum = 0;
     int links = 0;
     for (int j = 0; j < Slots; ++j) {
-      if (!linked(window, j) || !links_[j].valid) continue;
+      if (!linked(window, j) || !links_[j].valid || !links_[j].judged) continue;
       const InertialResidual<S> inertial{links_[j].link.increment.increment(), gravity_};
       const Vec<S, 15> r = inertial.residual(window[previous(j)].state.value(), window[j].state.value());
       sum += Vec<S, 15>(links_[j].L.lazyProduct(r)).squaredNorm();
@@ -154,6 +157,7 @@ class InertialLinks {
   struct Weighted {
     Link link;
     bool valid = false;  ///< its increment has a weight
+    bool judged = true;  ///< by `disagreement`
     Mat<S, 15, 15> L;    ///< whitens the increment's residual
   };
 

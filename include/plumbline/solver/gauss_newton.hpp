@@ -38,6 +38,16 @@ class DenseNormalEquations {
       }
     }
   }
+  /// Adds the equations of the first parameters alone.
+  template <int Leading>
+  void add(const DenseNormalEquations<S, Leading>& system) {
+    static_assert(Leading <= D, "plumbline: these equations have more parameters");
+    for (int j = 0; j < Leading; ++j) {
+      for (int i = 0; i < Leading; ++i) H_(i, j) += system.H()(i, j);
+      b_[j] += system.b()[j];
+    }
+    sum_rho_ += 2 * system.cost();
+  }
   /// 1/2 sum rho over all that was given to `add_cost`.
   S cost() const { return sum_rho_ / 2; }
   void add_cost(S rho) { sum_rho_ += rho; }

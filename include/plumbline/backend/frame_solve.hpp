@@ -1,0 +1,165 @@
+#pragma once
+/// The newest frame alone, its map being given, together with what the window left open of its keyframe: Gauss-Newton
+/// over the rows of its features and of its links.                                           docs/math/direct.md
+///
+///   landmarks are given with their own uncertainty, as in the estimate of the pose (feature/motion_terms.hpp)
+///   unknown: the frame's state and, the pose of keyframe i being given, the rest of x_i (velocity, biases)
+///   |L d_i|^2         ,   (L^T L)^-1 = Sigma_rr - Sigma_rp Sigma_pp^-1 Sigma_pr                                (10)
+///                         from the window's covariance of the keyframe, p its pose, r the rest
+///   Sigma_j = Ad Sigma_pp Ad^T + Sigma_relative   of the frame's pose, Ad = Ad(T_world_j^-1 T_world_i)         (11)
+/// The place of keyframe and landmarks in the world is common to all of them, and given.
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/square_root_information.hpp"
+#include "plumbline/feature/motion_terms.hpp"
+#include "plumbline/lie/se3.hpp"
+#include "plumbline/motion/motion_model.hpp"
+#include "plumbline/residual/world_point.hpp"
+#include "plumbline/solver/cholesky.hpp"
+#include "plumbline/solver/gauss_newton.hpp"
+#include "plumbline/state/layout.hpp"
+
+namespace plumbline {
+
+struct FrameSolveOptions {
+  int max_iterations = 4;
+  double step_tolerance = 1e-5;  ///< converged below this length of the pose's step [rad and m]
+  double sigma_rest = 1;         ///< of what no link ties (velocity [m/s], biases), about the prediction
+};
+
+template <MotionModel Motion, class Landmarks>
+class FrameSolve {
+ public:
+  using Sensors = typename Motion::Sensors;
+  using S = typename Motion::S;
+  using Layout = typename Motion::Layout;
+  static constexpr int dim = Layout::dim, pose_dim = state::Pose::dim, rest_dim = dim - pose_dim;
+  using PoseCovariance = Mat<S, pose_dim, pose_dim>;
+  using Covariance = Mat<S, dim, dim>;
+
+  /// The keyframe in `slot` with its covariance in the window.
+  void set_keyframe(int slot, const Covariance& covariance) {
+    keyframe_ = slot;
+    pose_of_keyframe_ = block<pose_dim, pose_dim>(covariance, 0, 0);
+    set_rest(covariance);
+  }
+  /// The next frame hangs on the one in `slot`: a frame that was solved alone may stay, and be the keyframe.
+  void follow(const auto& window, int slot) {
+    if (slot == keyframe_ || slot != latest_ || !known_) return;
+    pose_of_keyframe_ = carried(window, latest_) + block<pose_dim, pose_dim>(relative_, 0, 0);
+    set_rest(relative_);
+    keyframe_ = latest_;
+  }
+
+  /// Moves the state of the frame in `slot`; false, and nothing moved, when the rows do not determine it.
+  template <class Window>
+  bool solve(const Sensors& rig, const SE3<S>& T_body_cam, const Landmarks& landmarks, Window& window,
+             const auto& links, int slot, const FrameSolveOptions& options) {
+    landmarks.for_each_with(terms_, [&](const auto& store, auto& terms) { terms.collect(store, window, T_body_cam); });
+    latest_ = slot;
+    const typename Window::State before = window.state(slot), keyframe_before = window.state(keyframe_);
+    System system;
+    known_ = false;
+    for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+      system.reset();
+      DenseNormalEquations<S, pose_dim> features;
+      const BodyView<S> body(window.T_world_body(slot), T_body_cam);
+      landmarks.for_each_with(terms_, [&](const auto&, auto& terms) { terms.accumulate(rig, body, features); });
+      system.add(features);
+      add_rest(window.state(slot).correction() - before.correction(), S(options.sigma_rest), system);
+      add_keyframe(window.state(keyframe_).correction() - keyframe_before.correction(), system);
+      links.for_each_row(window, slot, [&](int i, const auto& J_i, int j, const auto& J_j, const auto& r) {
+        if (j == slot && i == keyframe_) add_link(J_i, J_j, r, system);
+      });
+      Vec<S, System::dim> d;
+      if (!system.solve(d)) {
+        window.state(slot) = before;
+        window.state(keyframe_) = keyframe_before;
+        return false;
+      }
+      window.state(slot).add(segment<dim>(d, 0));
+      if constexpr (rest_dim > 0) {
+        Vec<S, dim> d_keyframe = Vec<S, dim>::Zero();
+        set_segment(d_keyframe, pose_dim, segment<rest_dim>(d, dim));
+        window.state(keyframe_).add(d_keyframe);
+      }
+      if (segment<pose_dim>(d, 0).norm() < S(options.step_tolerance)) break;
+    }
+    window.state(keyframe_) = keyframe_before;  // it is the window's
+    Mat<S, System::dim, System::dim> covariance;
+    known_ = system.covariance(covariance);
+    if (known_) relative_ = block<dim, dim>(covariance, 0, 0);
+    return true;
+  }
+
+  /// (11) of the frame in `slot` that was solved last; false when it is not defined.
+  bool covariance(const auto& window, int slot, PoseCovariance& out) const {
+    out = carried(window, slot) + block<pose_dim, pose_dim>(relative_, 0, 0);
+    return known_;
+  }
+
+ private:
+  using System = DenseNormalEquations<S, dim + rest_dim>;  ///< the frame, then the rest of its keyframe
+  using Rest = Mat<S, rest_dim, rest_dim>;
+  static constexpr S fallback_sigma = S(0.1);  ///< where the window does not know the keyframe
+
+  /// The keyframe's pose covariance as one of the frame in `slot`.
+  PoseCovariance carried(const auto& window, int slot) const {
+    const PoseCovariance Ad = (window.T_world_body(slot).inverse() * window.T_world_body(keyframe_)).adjoint();
+    return product_transposed(product(Ad, pose_of_keyframe_), Ad);
+  }
+  /// (10)
+  void set_rest(const Covariance& covariance) {
+    if constexpr (rest_dim > 0) {
+      L_rest_ = Rest::Identity() * (1 / fallback_sigma);
+      Cholesky<S, pose_dim> factor;
+      if (!factor.compute(block<pose_dim, pose_dim>(covariance, 0, 0), Vec<S, pose_dim>(Vec<S, pose_dim>::Zero())))
+        return;
+      Rest conditional = block<rest_dim, rest_dim>(covariance, pose_dim, pose_dim);
+      for (int c = 0; c < rest_dim; ++c) {
+        Vec<S, pose_dim> by_pose = block<pose_dim, 1>(covariance, 0, pose_dim + c);
+        factor.solve_in_place(by_pose);
+        for (int r = 0; r < rest_dim; ++r) {
+          for (int k = 0; k < pose_dim; ++k) conditional(r, c) -= covariance(pose_dim + r, k) * by_pose[k];
+        }
+      }
+      if (const auto L = square_root_information(conditional)) L_rest_ = *L;
+    }
+  }
+
+  template <int Rows, class T>
+  static void add_link(const Mat<T, Rows, dim>& J_i, const Mat<T, Rows, dim>& J_j, const Vec<T, Rows>& r,
+                       System& system) {
+    Mat<T, Rows, System::dim> J;
+    set_block(J, 0, 0, J_j);
+    if constexpr (rest_dim > 0) set_block(J, 0, dim, block<Rows, rest_dim>(J_i, 0, pose_dim));
+    system.add(J, r, S(1));
+  }
+
+  /// Keeps the frame's velocity and biases near to what was predicted, where nothing else does.
+  static void add_rest(const Vec<S, dim>& moved, S sigma, System& system) {
+    for (int k = pose_dim; k < dim; ++k) {
+      Mat<S, 1, System::dim> J = Mat<S, 1, System::dim>::Zero();
+      J(0, k) = 1 / sigma;
+      system.add(J, Vec<S, 1>(moved[k] / sigma), S(1));
+    }
+  }
+  /// (10)
+  void add_keyframe(const Vec<S, dim>& step, System& system) const {
+    if constexpr (rest_dim > 0) {
+      const Vec<S, rest_dim> moved = segment<rest_dim>(step, pose_dim);
+      Mat<S, rest_dim, System::dim> J = Mat<S, rest_dim, System::dim>::Zero();
+      set_block(J, 0, dim, L_rest_);
+      system.add(J, product(L_rest_, moved), S(1));
+    }
+  }
+
+  typename Landmarks::template TupleOf<MotionTerms> terms_;
+  int keyframe_ = 0, latest_ = -1;  ///< slots; the latest that was solved alone
+  Rest L_rest_ = Rest::Identity();  ///< L of (10)
+  PoseCovariance pose_of_keyframe_ = PoseCovariance::Zero();
+  Covariance relative_ = Covariance::Zero();  ///< of the latest, the keyframe's pose being given
+  bool known_ = false;
+};
+
+}  // namespace plumbline

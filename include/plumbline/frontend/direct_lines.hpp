@@ -1,0 +1,88 @@
+#pragma once
+/// Lines by direct alignment: the pixels along them help to find the frame's pose (frontend/image_motion.hpp); then
+/// each is found by its edge, near to where that pose sees it.                  docs/math/direct.md, docs/math/line.md
+
+#include <algorithm>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/feature/landmark_store.hpp"
+#include "plumbline/feature/view.hpp"
+#include "plumbline/frontend/edge_following.hpp"
+#include "plumbline/geometry/line3.hpp"
+#include "plumbline/tracking/image_alignment.hpp"
+#include "plumbline/tracking/line_detector.hpp"
+#include "plumbline/tracking/line_segment.hpp"
+
+namespace plumbline {
+
+struct DirectLineOptions : EdgeFollowingOptions {
+  DirectLineOptions() {
+    search_tracked_again = false;  // the aligned pose is nearly the estimated one
+  }
+  float sample_spacing_px = 12;  ///< of the patches along a segment
+  float max_weight = 1.5f;       ///< of all patches of a segment together, in patches of points
+};
+
+template <class Store, LineDetector Detector = LineSegmentDetector<>>
+class DirectLines {
+ public:
+  using Kind = typename Store::Kind;
+  using Sensors = typename Kind::Sensors;
+  using S = typename Kind::Scalar;
+  using Landmark = typename Store::Landmark;
+  using Options = DirectLineOptions;
+  static constexpr bool votes = false;
+  static constexpr int max_samples_of_one = 8, max_alignment_samples = max_samples_of_one * Store::capacity;
+
+  explicit DirectLines(const Options& options) : options_(options), edges_(options) {}
+
+  /// Gives take(sample) of patches along every located landmark that the previous image shows: where the ray of a pixel
+  /// of the segment meets the line.
+  void for_each_alignment_sample(const View<Sensors>& view, const auto& window, const Store& store,
+                                 const SE3<S>& T_world_predicted, auto&& take) const {
+    const SE3<S> T_cam_previous =
+        (T_world_predicted * view.T_body_cam).inverse() * view.T_world_previous * view.T_body_cam;
+    const SE3<S> T_previous_world = (view.T_world_previous * view.T_body_cam).inverse();
+    for (const Landmark& landmark : store.landmarks()) {
+      if (!landmark.current.valid || !landmark.located) continue;
+      const Plucker<S> line = (T_previous_world * (window.T_world_body(landmark.anchor) * view.T_body_cam)) *
+                              landmark.geometry.line.plucker();
+      const LineSegment& segment = landmark.current.segment;
+      const int n = std::clamp(int(segment.length() / options_.sample_spacing_px), 2, max_samples_of_one);
+      const float weight = std::min(1.0f, options_.max_weight / float(n));
+      for (int k = 0; k < n; ++k) {
+        const float along = (float(k) + 0.5f) / float(n);
+        const Vec<float, 2> pixel = segment.start + along * (segment.end - segment.start);
+        const Unprojection<S> ray = view.camera().unproject(view.shutter.still(pixel.template cast<S>()).uv);
+        if (!ray.valid) continue;
+        const Vec<S, 3> p = line.point_along(ray.bearing);
+        if (!(p.z() > min_depth) || !(p.norm() < max_range)) continue;
+        const Projection<S> predicted = view.camera().project(T_cam_previous * p);
+        if (!predicted.valid) continue;
+        const Vec<S, 2> shift = view.shutter.seen(predicted.uv) - predicted.uv;
+        take(AlignmentSample<S>{pixel, shift.template cast<float>(), view.T_body_cam * p, weight});
+      }
+    }
+  }
+
+  void follow(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_aligned) {
+    edges_.follow(view, window, store, T_world_aligned);
+  }
+  void refine(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
+    edges_.refine(view, window, store, T_world_body);
+  }
+  void locate(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
+    edges_.locate(view, window, store, T_world_body);
+  }
+  void detect(const View<Sensors>& view, const auto& window, Store& store, int slot) {
+    edges_.detect(view, window, store, slot);
+  }
+
+ private:
+  static constexpr S min_depth = S(0.1), max_range = S(1e3);  ///< [m]
+
+  Options options_;
+  EdgeFollowing<Store, Detector> edges_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,232 @@
+#pragma once
+/// Points by direct alignment: the frame's pose comes from the pixels of all of them together
+/// (frontend/image_motion.hpp), and each is then aligned with its pixels in the anchor where that pose sees it. Without
+/// a depth sensor the inverse depth of a new one is filtered from frame to frame until it is known. Landmarks out of
+/// sight are looked for where the estimated pose puts them. Before there is a map all are followed by optical flow.
+///                                                                          docs/math/direct.md, docs/math/tracking.md
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/feature/landmark_store.hpp"
+#include "plumbline/feature/view.hpp"
+#include "plumbline/frontend/point_flow.hpp"
+#include "plumbline/geometry/depth_filter.hpp"
+#include "plumbline/geometry/triangulation.hpp"
+#include "plumbline/tracking/feature_alignment.hpp"
+#include "plumbline/tracking/image_alignment.hpp"
+#include "plumbline/tracking/optical_flow.hpp"
+
+namespace plumbline {
+
+struct DirectPointOptions : PointFlowOptions {
+  float max_correction_px = 4;    ///< from where the aligned pose sees a landmark
+  bool flow_as_well = true;       ///< where the anchor's pixels are not found
+  bool filter_depth = true;       ///< of new landmarks; else by the two views that have enough parallax
+  double max_depth_error = 0.33;  ///< relative: new landmarks whose inverse depth is known better have a place in space
+};
+
+template <class Store>
+class DirectPoints {
+ public:
+  using Kind = typename Store::Kind;
+  using Sensors = typename Kind::Sensors;
+  using S = typename Kind::Scalar;
+  using Landmark = typename Store::Landmark;
+  using Options = DirectPointOptions;
+  static constexpr bool votes = true;
+  static constexpr bool relates_two_views = true;
+  static constexpr int max_alignment_samples = Store::capacity;
+
+  explicit DirectPoints(const Options& options) : options_(options), flow_(options) {}
+
+  /// Gives take(sample) of every located landmark that the previous image shows.
+  void for_each_alignment_sample(const View<Sensors>& view, const auto& window, const Store& store,
+                                 const SE3<S>& T_world_predicted, auto&& take) const {
+    const SE3<S> T_cam_world = (T_world_predicted * view.T_body_cam).inverse();
+    const SE3<S> T_previous_world = (view.T_world_previous * view.T_body_cam).inverse();
+    for (const Landmark& landmark : store.landmarks()) {
+      if (!landmark.current.valid || !landmark.located) continue;
+      const Vec<S, 3> at = p_world(landmark, window, view.T_body_cam);
+      const S range = (T_previous_world * at).norm();
+      const Unprojection<S> ray = view.camera().unproject(landmark.current.uv.template cast<S>());
+      const Projection<S> predicted = view.camera().project(T_cam_world * at);
+      if (!ray.valid || !predicted.valid) continue;
+      const Vec<S, 2> shift = view.shutter.seen(predicted.uv) - predicted.uv;
+      take(AlignmentSample<S>{landmark.current.pixel, shift.template cast<float>(),
+                              view.T_body_cam * Vec<S, 3>(range * ray.bearing), 1});
+    }
+  }
+
+  void follow(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_aligned) {
+    const SE3<S> T_cam_world = (T_world_aligned * view.T_body_cam).inverse();
+    for (Landmark& landmark : store.landmarks()) {
+      if (!landmark.current.valid) continue;
+      Vec<float, 2> guess = flow_.expected(view, window, landmark, T_cam_world);
+      S inverse_range = landmark.geometry.inverse_range;
+      bool known = landmark.located;
+      if (const DepthFilter<S>& depth = depth_of(landmark); !known && depth.known()) {
+        known = true;
+        inverse_range = depth.mu;
+        guess = moved(view, window, landmark, depth.mu, T_cam_world, guess);
+      }
+      if (known) {
+        const Alignment aligned =
+            align(view, window, landmark, inverse_range, T_cam_world, guess, /*coarse_start=*/!landmark.located);
+        if (aligned.valid) {
+          observe(view, landmark, aligned);
+          continue;
+        }
+        if (!options_.flow_as_well) {
+          flow_.observe(view, landmark, false, guess);
+          continue;
+        }
+      }
+      const FlowResult flow =
+          track_point_checked(view.previous, view.current, landmark.current.pixel, guess, options_.flow);
+      flow_.observe(view, landmark, flow.valid, flow.uv);
+    }
+  }
+
+  void for_each_correspondence(const View<Sensors>& view, const auto& window, const Store& store, auto&& take) const {
+    flow_.for_each_correspondence(view, window, store, take);
+  }
+
+  /// Looks for those that are not tracked.
+  void refine(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
+    const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
+    auto& landmarks = store.landmarks();
+    const std::size_t n = landmarks.size();
+    int searches = 0;
+    // Which landmarks get searched for rotates, so that none is left out for ever.
+    for (std::size_t k = 0; k < n && searches < options_.max_searches; ++k) {
+      Landmark& landmark = landmarks[(k + first_search_) % n];
+      if (!landmark.located || landmark.current.valid) continue;
+      Vec<float, 2> seen;
+      if (!predict(view, window, landmark, T_cam_world, seen)) continue;
+      ++searches;
+      const Alignment aligned =
+          align(view, window, landmark, landmark.geometry.inverse_range, T_cam_world, seen, /*coarse_start=*/true);
+      if (aligned.valid) {
+        observe(view, landmark, aligned);
+      } else {
+        flow_.observe(view, landmark, false, seen);
+      }
+    }
+    if (n > 0) first_search_ = (first_search_ + static_cast<std::size_t>(options_.max_searches)) % n;
+  }
+
+  void locate(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
+    S sum = S(0);
+    int count = 0;
+    store.add_inverse_ranges(sum, count);
+    if (Sensors::has_depth || !options_.filter_depth || count < min_located) {
+      flow_.locate(view, window, store, T_world_body);
+      return;
+    }
+    const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
+    for (Landmark& landmark : store.landmarks()) {
+      if (landmark.located || !landmark.current.valid) continue;
+      DepthFilter<S>& depth = depth_of(landmark);
+      if (!depth.known()) depth = DepthFilter<S>::around(sum / S(count));
+      measure(view, landmark, T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam), depth);
+      if (depth.diverged()) landmark.current.valid = false;
+      if (!depth.converged(S(options_.max_depth_error))) continue;
+      landmark.located = true;
+      landmark.geometry.inverse_range = depth.mu;
+      landmark.geometry.sigma_inverse_range = depth.sigma();
+    }
+  }
+  void detect(const View<Sensors>& view, const auto& window, Store& store, int slot) {
+    flow_.detect(view, window, store, slot);
+  }
+  void for_each_pair(const View<Sensors>& view, const Store& store, int slot, auto&& visit) const {
+    flow_.for_each_pair(view, store, slot, visit);
+  }
+
+ private:
+  static constexpr float border_px = 8;  ///< half an alignment patch and the interpolation's neighbour
+
+  static Vec<S, 3> p_world(const Landmark& landmark, const auto& window, const SE3<S>& T_body_cam) {
+    return window.T_world_body(landmark.anchor) * (T_body_cam * Kind::middle(landmark.geometry));
+  }
+  /// Where the current image shows a landmark; false when it does not.
+  static bool predict(const View<Sensors>& view, const auto& window, const Landmark& landmark,
+                      const SE3<S>& T_cam_world, Vec<float, 2>& seen) {
+    const Projection<S> predicted = view.camera().project(T_cam_world * p_world(landmark, window, view.T_body_cam));
+    if (!predicted.valid) return false;
+    seen = view.shutter.seen(predicted.uv).template cast<float>();
+    return view.current.level(0).contains(seen.x(), seen.y(), border_px);
+  }
+
+  /// The filter of a landmark without a place in space.
+  DepthFilter<S>& depth_of(const Landmark& landmark) {
+    Seed& seed = seeds_[landmark.id % seeds_.size()];
+    if (seed.id != landmark.id) seed = {landmark.id, {}};
+    return seed.depth;
+  }
+  /// What the latest frame says of it, where there is enough parallax to say anything.
+  void measure(const View<Sensors>& view, const Landmark& landmark, const SE3<S>& T_cam_anchor,
+               DepthFilter<S>& depth) const {
+    const Unprojection<S> ray = view.camera().unproject(landmark.current.uv.template cast<S>());
+    if (!ray.valid) return;
+    const S sigma_rad = S(options_.sigma_flow_px) / effective_focal_length(view.camera());
+    const std::array<TriangulationView<S>, 1> views{{{T_cam_anchor, ray.bearing, sigma_rad}}};
+    TriangulationOptions any_parallax = options_.triangulation;
+    any_parallax.min_significance = -1e9;
+    const Triangulation<S> seen = triangulate<S>(landmark.geometry.bearing, views, any_parallax);
+    if (!(seen.variance > S(0)) || !(seen.variance < 4 * depth.variance)) return;
+    if (seen.valid) {
+      depth.update(seen.inverse_range, std::sqrt(seen.variance));
+    } else {
+      depth.miss();
+    }
+  }
+  /// The guess for a landmark that turned with the camera, moved on by what the depth says of the translation.
+  static Vec<float, 2> moved(const View<Sensors>& view, const auto& window, const Landmark& landmark, S inverse_range,
+                             const SE3<S>& T_cam_world, const Vec<float, 2>& guess) {
+    const Vec<S, 3> at =
+        window.T_world_body(landmark.anchor) * (view.T_body_cam * Vec<S, 3>(landmark.geometry.bearing / inverse_range));
+    const SE3<S> T_world_previous = view.T_world_previous * view.T_body_cam;
+    const Vec<S, 3> in_previous = T_world_previous.inverse() * at;
+    const Projection<S> turned =
+        view.camera().project(T_cam_world.rotation() * (T_world_previous.rotation() * in_previous));
+    const Projection<S> now = view.camera().project(T_cam_world * at);
+    if (!turned.valid || !now.valid) return guess;
+    return guess + (now.uv - turned.uv).template cast<float>();
+  }
+
+  Alignment align(const View<Sensors>& view, const auto& window, const Landmark& landmark, S inverse_range,
+                  const SE3<S>& T_cam_world, const Vec<float, 2>& guess, bool coarse_start) const {
+    const SE3<S> T_cam_anchor = T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam);
+    const Mat<float, 2, 2> A =
+        affine_warp(view.camera(), view.camera(), landmark.geometry.bearing, S(1) / inverse_range, T_cam_anchor);
+    AlignmentOptions alignment = options_.alignment;
+    alignment.coarse_start = coarse_start;
+    Alignment aligned = align_patch(landmark.appearance, A, view.current, guess, alignment);
+    aligned.valid = aligned.valid && (coarse_start || (aligned.uv - guess).norm() < options_.max_correction_px);
+    return aligned;
+  }
+  void observe(const View<Sensors>& view, Landmark& landmark, const Alignment& aligned) const {
+    flow_.observe(view, landmark, true, aligned.uv);
+    landmark.current.L =
+        whitening_of(aligned.information_per_intensity, float(options_.sigma_px), float(options_.sigma_intensity));
+  }
+
+  struct Seed {
+    std::uint32_t id = std::numeric_limits<std::uint32_t>::max();
+    DepthFilter<S> depth;
+  };
+  static constexpr int min_located = 10;  ///< that tell how far a new landmark may be
+
+  Options options_;
+  PointFlow<Store> flow_;
+  std::array<Seed, Store::capacity> seeds_;
+  std::size_t first_search_ = 0;
+};
+
+}  // namespace plumbline

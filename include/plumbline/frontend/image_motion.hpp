@@ -1,0 +1,86 @@
+#pragma once
+/// The pose of a frame from the pixels around all landmarks that the previous frame saw, before any of them is
+/// followed.
+///                                                                                          docs/math/direct.md
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "plumbline/core/fixed_vector.hpp"
+#include "plumbline/feature/view.hpp"
+#include "plumbline/image/image_view.hpp"
+#include "plumbline/lie/se3.hpp"
+#include "plumbline/state/pose_prior.hpp"
+#include "plumbline/tracking/image_alignment.hpp"
+
+namespace plumbline {
+
+struct ImageMotionOptions : ImageAlignmentOptions {
+  double sigma_rotation = 0.05;     ///< of a prediction that does not say how sure it is [rad]
+  double sigma_translation = 0.05;  ///< of the same, in mean depths
+};
+
+template <SensorRig Sensors, int MaxSamples>
+class ImageMotion {
+ public:
+  using S = typename Sensors::Scalar;
+  using Options = ImageMotionOptions;
+  struct Named {
+    Options image_alignment;
+  };
+  static const Options& options_of(const Named& all) { return all.image_alignment; }
+
+  explicit ImageMotion(const Options& options) : options_(options) {}
+
+  void clear() { samples_.clear(); }
+  void add(const AlignmentSample<S>& sample) { samples_.push_back(sample); }
+
+  /// Moves T, where the body is expected, to where the previous image fits best. Leaves it alone where that is not
+  /// clear.
+  bool align(const View<Sensors>& view, const PosePrior<S>& prior, SE3<S>& T_world_body) {
+    const SE3<S> T_cur_prev = T_world_body.inverse() * view.T_world_previous;
+    const auto believed = IncrementPrior<S>::of(T_cur_prev, prior.valid ? prior.sigma : wide());
+    scratch_.resize(samples_.size());
+    errors_.resize(samples_.size());
+    ImageAligner<typename Sensors::Camera> aligner(view.camera(), view.T_body_cam, {samples_.data(), samples_.size()},
+                                                   {scratch_.data(), scratch_.size()}, {errors_.data(), errors_.size()},
+                                                   options_);
+    const Levels previous = levels_of(view.previous), current = levels_of(view.current);
+    latest_ = aligner.align(previous, current, believed, T_cur_prev);
+    if (latest_.valid) T_world_body = view.T_world_previous * latest_.T_cur_prev.inverse();
+    return latest_.valid;
+  }
+
+  /// What the last call found.
+  const ImageAlignment<S>& latest() const { return latest_; }
+
+ private:
+  /// sigma of [dphi, dp].
+  Vec<S, 6> wide() const {
+    S inverse_range = S(0);
+    for (const AlignmentSample<S>& sample : samples_) inverse_range += 1 / sample.p_body.norm();
+    const S range = samples_.empty() ? S(1) : S(samples_.size()) / inverse_range;
+    Vec<S, 6> sigma;
+    sigma << Vec<S, 3>::Constant(S(options_.sigma_rotation)),
+        Vec<S, 3>::Constant(S(options_.sigma_translation) * range);
+    return sigma;
+  }
+
+  static constexpr int levels = RigPyramid<Sensors>::levels;
+  using Levels = std::array<ImageView<const std::uint8_t>, levels>;
+
+  static Levels levels_of(const RigPyramid<Sensors>& pyramid) {
+    Levels out;
+    for (int l = 0; l < levels; ++l) out[static_cast<std::size_t>(l)] = pyramid.level(l);
+    return out;
+  }
+
+  Options options_;
+  FixedVector<AlignmentSample<S>, MaxSamples> samples_;
+  FixedVector<AlignmentPatch, MaxSamples> scratch_;
+  FixedVector<float, MaxSamples> errors_;
+  ImageAlignment<S> latest_;
+};
+
+}  // namespace plumbline
