@@ -71,8 +71,10 @@ Inspection inspect(const Estimator& estimator, plumbline::TimeNs previous_ns) {
         std::nullopt};
     has_pose = inertial.start.stage == plumbline::InitStage::done;  // before, map and pose are of two worlds
     plumbline::Mat<S, 15, 15> covariance;
-    if (has_pose && estimator.backend().covariance_of_newest(covariance))
-      inertial.sigma = covariance.diagonal().template tail<9>().cwiseSqrt().template cast<double>();
+    if constexpr (requires { estimator.backend().covariance_of_newest(covariance); }) {  // not of the pose alone
+      if (has_pose && estimator.backend().covariance_of_newest(covariance))
+        inertial.sigma = covariance.diagonal().template tail<9>().cwiseSqrt().template cast<double>();
+    }
     out.inertial = inertial;
   }
   const auto& window = estimator.backend().window();

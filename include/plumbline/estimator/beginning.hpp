@@ -72,8 +72,8 @@ class Beginning {
     estimate.t_ns = view.t_ns;
     estimate.tracked = 0;
     estimate.keyframe = false;
-    report_.features = odometry.seen_count();
-    const int usable = is_complete && !Start::needs_second_view ? odometry.tracked_count() : report_.features;
+    report_.features = odometry.landmarks.seen_count();
+    const int usable = is_complete && !Start::needs_second_view ? odometry.landmarks.tracked_count() : report_.features;
     const int needed = odometry.options.recovery.min_landmarks;
     if (usable < needed) {
       const bool shows_enough = report_.features >= needed;
@@ -143,14 +143,15 @@ class Beginning {
   bool gather(Odometry& odometry, const View<Sensors>& view) {
     if constexpr (is_complete) {
       // Points that are there for the start alone go when the others carry the estimate.
-      if (odometry.lasting_count() >= 2 * odometry.options.recovery.min_landmarks) {
+      if (odometry.front_ends.lasting_count(odometry.landmarks) >= 2 * odometry.options.recovery.min_landmarks) {
         odometry.front_ends.end_start(odometry.landmarks);
       }
       return false;
     } else {
       wait(odometry, HealthReason::aligning, InitStage::aligning);
       publish_rough(odometry);
-      return start_.add(view.t_ns, T_world_cam(odometry, view), odometry.motion.imu().since_frame());
+      return start_.add(view.t_ns, odometry.window().latest().T_world_body * view.T_body_cam,
+                        odometry.motion.imu().since_frame());
     }
   }
   /// Vision and IMU agree, perhaps: then the map becomes metric.
@@ -182,8 +183,8 @@ class Beginning {
       if constexpr (Start::needs_second_view) {
         // On the way here scale and vertical were what they were taken for; the heading's axis is tilted, say half way.
         const SE3<S>& T = odometry.window().T_world_body(odometry.window().oldest());
-        const S travelled = (T.p() - T_world_start_.p()).norm();
-        odometry.origin.doubt(T, S(start_.scale_sigma()) * travelled, S(0.5 * start_.gravity_sigma()));
+        const double travelled = double((T.p() - T_world_start_.p()).norm());
+        odometry.origin.doubt(T, S(start_.scale_sigma() * travelled), S(0.5 * start_.gravity_sigma()));
       }
       finish(view);
       odometry.become_metric(view);
@@ -211,34 +212,37 @@ class Beginning {
     return x;
   }
 
-  static SE3<S> T_world_cam(const Odometry& odometry, const View<Sensors>& view) {
-    return odometry.window().latest().T_world_body * view.T_body_cam;
-  }
   void begin_series(Odometry& odometry, const View<Sensors>& view) {
     if constexpr (!is_complete) {
       start_.clear();
-      start_.add(view.t_ns, T_world_cam(odometry, view), odometry.motion.imu().since(odometry.window().latest()));
+      start_.add(view.t_ns, odometry.window().latest().T_world_body * view.T_body_cam,
+                 odometry.motion.imu().since(odometry.window().latest()));
     }
   }
 
   /// Before the scale is certain: the pose in the metres that are known so far.
   void publish_rough(Odometry& odometry) {
     if (!start_.has_estimate()) return;
-    const State x = state_of(odometry.window().latest().T_world_body, odometry.rig_state.T_body_cam());
+    State x = state_of(odometry.window().latest().T_world_body, odometry.rig_state.T_body_cam());
+    x.v_world_body = T_world_start_.rotation() * start_.latest_velocity();
+    const double travelled = double((x.T_world_body.p() - T_world_start_.p()).norm());
+    publish(odometry, x, start_.gravity_sigma(),
+            start_.scale_sigma() * travelled + odometry.options.motion.rest_position_sigma);
+    odometry.set_health(HealthState::degraded, HealthReason::scale_uncertain);
+  }
+  /// A state whose vertical [rad] and place [m] are known that well.
+  static void publish(Odometry& odometry, const State& x, double tilt_sigma, double place_sigma) {
     Estimate<S>& estimate = odometry.estimate;
     estimate.T_world_body = x.T_world_body;
-    estimate.v_world_body = T_world_start_.rotation() * start_.latest_velocity();
+    estimate.v_world_body = x.v_world_body;
     estimate.bias_gyro = x.bias_gyro;
     estimate.bias_accel = x.bias_accel;
-    const S tilt = S(start_.gravity_sigma());
-    const S position =
-        S(start_.scale_sigma()) * x.T_world_body.p().norm() + S(odometry.options.motion.rest_position_sigma);
-    estimate.covariance.setZero();
+    typename Odometry::Covariance P = Odometry::Covariance::Zero();
     for (int k = 0; k < 3; ++k) {
-      estimate.covariance(k, k) = tilt * tilt;
-      estimate.covariance(3 + k, 3 + k) = position * position;
+      P(k, k) = S(tilt_sigma * tilt_sigma);
+      P(3 + k, 3 + k) = S(place_sigma * place_sigma);
     }
-    odometry.set_health(HealthState::degraded, HealthReason::scale_uncertain);
+    odometry.publish(P);
   }
   /// What the alignment knows of the scale, the window alone might not; its poses have errors in common, so not too
   /// tight.
@@ -247,11 +251,11 @@ class Beginning {
       const auto& window = odometry.window();
       const int oldest = window.oldest(), newest = window.newest();
       const double distance = double((window.T_world_body(newest).p() - window.T_world_body(oldest).p()).norm());
-      constexpr double min_scale_sigma = 0.05;
       const double noise = start_.options().alignment.position_sigma * double(start_.scale());
       if (oldest != newest)
-        odometry.backend.hold_distance(oldest, newest,
-                                       std::hypot(std::max(start_.scale_sigma(), min_scale_sigma) * distance, noise));
+        odometry.backend.hold_distance(
+            oldest, newest,
+            std::hypot(std::max(start_.scale_sigma(), start_.options().min_scale_sigma) * distance, noise));
     }
   }
 
@@ -272,23 +276,13 @@ class Beginning {
   /// will have, see InertialStart.
   void rest(Odometry& odometry) {
     if constexpr (!is_complete) {
-      const State known = odometry.motion.state_at_rest();
-      State x = odometry.window().latest();
+      State known = odometry.motion.state_at_rest(), x = odometry.window().latest();
       x.bias_gyro = known.bias_gyro;
       x.bias_accel = known.bias_accel;
       odometry.window().set_latest(x);
-      Estimate<S>& estimate = odometry.estimate;
-      estimate.T_world_body = T_world_start_ * known.T_world_body;
-      estimate.v_world_body.setZero();
-      estimate.bias_gyro = known.bias_gyro;
-      estimate.bias_accel = known.bias_accel;
+      known.T_world_body = T_world_start_ * known.T_world_body;
       const auto& motion = odometry.options.motion;
-      const S tilt = S(start_.options().accel_bias_sigma / motion.gravity), position = S(motion.rest_position_sigma);
-      estimate.covariance.setZero();
-      for (int k = 0; k < 3; ++k) {
-        estimate.covariance(k, k) = tilt * tilt;
-        estimate.covariance(3 + k, 3 + k) = position * position;
-      }
+      publish(odometry, known, start_.options().accel_bias_sigma / motion.gravity, motion.rest_position_sigma);
       odometry.set_health(HealthState::degraded, HealthReason::aligning);
     }
   }

@@ -97,7 +97,7 @@ class Estimator {
     timing_.estimate = TimeSource::now() - begin - timing_.track;
     if (lacks != HealthReason::none) {
       recover(view, predicted.state,
-              core_.seen_count() < core_.options.pose.min_inliers ? HealthReason::few_features : lacks);
+              core_.landmarks.seen_count() < core_.options.pose.min_inliers ? HealthReason::few_features : lacks);
     } else {
       const State x = core_.motion.update(predicted.state, T, view);
       if (core_.motion.ties_frames()) {
@@ -152,7 +152,7 @@ class Estimator {
     const RecoveryOptions& options = core_.options.recovery;
     core_.window().set_latest(x);
     const bool is_old = lacks == HealthReason::images_repeat, is_wrong = lacks == HealthReason::imu_disagrees;
-    bool shows_enough = !is_old && core_.seen_count() >= options.min_landmarks;
+    bool shows_enough = !is_old && core_.landmarks.seen_count() >= options.min_landmarks;
     if (shows_enough && !is_wrong) {
       core_.images.keep(view, x.T_world_body);
       core_.front_ends.locate(view, core_.window(), core_.landmarks, x.T_world_body);

@@ -60,16 +60,6 @@ class Odometry {
   Window& window() { return backend.window(); }
   const Window& window() const { return backend.window(); }
 
-  // ---------------------------------------------------------------------------------------------------- counting
-
-  int seen_count() const {
-    return landmarks.sum([](const auto& store) { return store.seen_count(); });
-  }
-  int tracked_count() const {
-    return landmarks.sum([](const auto& store) { return store.tracked_count(); });
-  }
-  /// Those of kinds that are there for more than the start.
-  int lasting_count() const { return front_ends.lasting_count(landmarks); }
   /// Mean motion of the landmarks in the image since the last keyframe [px]; 0 when none is seen in both.
   double motion_px() const {
     double sum_px = 0;
@@ -77,15 +67,7 @@ class Odometry {
     landmarks.for_each([&](const auto& store) { store.add_motion_since(keyframe_, sum_px, count); });
     return count > 0 ? sum_px / count : 0;
   }
-  S mean_depth() const {
-    S inverse_sum = S(0);
-    int count = 0;
-    landmarks.for_each([&](const auto& store) { store.add_inverse_ranges(inverse_sum, count); });
-    return count > 0 ? S(count) / inverse_sum : S(1);
-  }
   int keyframe() const { return keyframe_; }  ///< slot of the last one
-
-  // --------------------------------------------------------------------------------------------- predict and track
 
   /// A frame whose image was taken in, beside the last one that was kept.
   View<Sensors> view_of(const typename Sensors::Frame& frame, bool is_first) {
@@ -151,7 +133,7 @@ class Odometry {
   bool needs_keyframe(TimeNs t_ns) {
     const double moved_px = motion_px();
     const double moved_rad = moved_px / double(effective_focal_length(rig.vision.camera));
-    const bool needed = rule_.is_keyframe(tracked_count(), tracked_at_keyframe_, moved_rad);
+    const bool needed = rule_.is_keyframe(landmarks.tracked_count(), tracked_at_keyframe_, moved_rad);
     return motion.confirm_keyframe(t_ns, moved_px, needed);
   }
   /// The latest frame, which was solved for alone, becomes a keyframe.
@@ -205,7 +187,7 @@ class Odometry {
     const State x = window().latest();
     images.keep(view, x.T_world_body);
     keyframe_ = slot;
-    tracked_at_keyframe_ = tracked_count();
+    tracked_at_keyframe_ = landmarks.tracked_count();
     motion.begin_link(x);
     estimate.T_world_body = x.T_world_body;
     estimate.keyframe = true;
@@ -215,8 +197,8 @@ class Odometry {
   void make_room(const View<Sensors>& view) {
     if (!window().full()) return;
     // Without depth or links scale goes from frame to frame; with links time does.
-    const int slot =
-        KeyframeRule::leaving(window(), mean_depth(), /*in_order=*/Motion::is_chain || !Sensors::has_depth);
+    const int slot = KeyframeRule::leaving(window(), landmarks.template mean_depth<S>(),
+                                           /*in_order=*/Motion::is_chain || !Sensors::has_depth);
     backend.retire(rig, view.T_body_cam, landmarks, slot, map);
   }
   void drop_temporary() {
@@ -236,7 +218,7 @@ class Odometry {
     drop_temporary();
     const int slot = backend.insert(view.t_ns, window().latest(), motion.link(keyframe_));
     front_ends.detect(view, window(), landmarks, slot);
-    if (seen_count() < options.recovery.min_landmarks) {
+    if (landmarks.seen_count() < options.recovery.min_landmarks) {
       backend.drop(landmarks, slot);
       return false;
     }
@@ -274,7 +256,7 @@ class Odometry {
     estimate.t_ns = t_ns;
     estimate.T_world_body = x.T_world_body;
     estimate.keyframe = false;
-    estimate.tracked = tracked_count();
+    estimate.tracked = landmarks.tracked_count();
     const bool few = estimate.tracked < 2 * options.pose.min_inliers;
     set_health(few ? HealthState::degraded : HealthState::tracking,
                few ? HealthReason::few_features : HealthReason::none);

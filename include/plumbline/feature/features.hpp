@@ -39,6 +39,22 @@ class LandmarkSet {
     return std::apply([&](const Stores&... store) { return (visit(store) + ...); }, stores_);
   }
 
+  /// Landmarks that the latest frame sees, and the located ones of them.
+  int seen_count() const {
+    return sum([](const auto& store) { return store.seen_count(); });
+  }
+  int tracked_count() const {
+    return sum([](const auto& store) { return store.tracked_count(); });
+  }
+  /// Harmonic mean of the ranges of what is tracked [m]; 1 when there is nothing.
+  template <class S>
+  S mean_depth() const {
+    S inverse_sum = S(0);
+    int count = 0;
+    for_each([&](const auto& store) { store.add_inverse_ranges(inverse_sum, count); });
+    return count > 0 ? S(count) / inverse_sum : S(1);
+  }
+
   /// The stores before the I-th, as constant references.
   template <std::size_t I>
   auto before() const {

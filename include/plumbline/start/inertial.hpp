@@ -18,6 +18,7 @@ struct InertialStartOptions {
   double frame_interval_s = 0.1;       ///< between the poses that are aligned with the IMU
   double gyro_bias_sigma = 0.02;       ///< prior of the first frame [rad/s]
   double accel_bias_sigma = 0.1;       ///< [m/s^2]
+  double min_scale_sigma = 0.05;       ///< relative, of the length that the window holds; aligned poses share errors
   double max_rough_scale_sigma = 0.7;  ///< relative, of a pose that is published although its scale is uncertain
   double settling_s = 3;               ///< after the start of a camera without depth its scale is not certain
   double max_accel_bias_sigmas = 10;   ///< of accel_bias_sigma, when images and readings are first solved together
