@@ -29,7 +29,7 @@ struct Moving {
   /// One frame at the true place.
   void see_next(S dt) {
     const SE3<S> T = plus(latest.T_world_body, Vec<S, 6>(dt * velocity));
-    latest = motion.update(latest, T, view(dt));
+    latest = motion.update(latest, T, Mat<S, 6, 6>::Identity(), view(dt));
   }
   SE3<S> predict(S dt, const test::SeenRotation<S>& seen = {}) {
     return motion.predict(latest, view(dt), S(0), [&](const SO3<S>&) { return seen; }).state.T_world_body;

@@ -99,7 +99,7 @@ class Estimator {
       recover(view, predicted.state,
               core_.landmarks.seen_count() < core_.options.pose.min_inliers ? HealthReason::few_features : lacks);
     } else {
-      const State x = core_.motion.update(predicted.state, T, view);
+      const State x = core_.motion.update(predicted.state, T, covariance, view);
       if (core_.motion.ties_frames()) {
         core_.solve_with_window(view, x);
       } else {

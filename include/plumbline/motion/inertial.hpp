@@ -31,6 +31,7 @@ struct InertialOptions : InertialLinkOptions {
   double max_innovation = 8;      ///< of a frame's pose by its images against the readings [sigma]
   double max_rate_error = 0.025;  ///< of the gyroscope against the images: more is another bias [rad/s]
   double rate_error_s = 0.3;      ///< mean over so long
+  double rate_error_sigmas = 6;   ///< and so many sigma of that mean
   double jump_settles_s = 3;      ///< readings are in doubt for so long
   double max_disagreement = 6;    ///< of readings and images, see InertialLinks; about 2 on a vibrating drone
   double rest_motion_px = 0.5;    ///< landmarks that moved less since the last keyframe do not contradict a standstill
@@ -121,9 +122,9 @@ class Inertial {
     return false;
   }
 
-  State update(const State& predicted, const SE3<S>& T, const View<Sensors>& view) {
+  State update(const State& predicted, const SE3<S>& T, const Mat<S, 6, 6>& covariance, const View<Sensors>& view) {
     State x = predicted;
-    if (is_metric_ && !imu_.blind()) look_for_jump(x, T, view.dt);
+    if (is_metric_ && !imu_.blind()) look_for_jump(x, T, covariance, view.dt);
     if (!is_metric_) x.v_world_body = (T.p() - view.T_world_previous.p()) / view.dt;
     if (!is_metric_ || imu_.blind()) x.T_world_body = T;
     return x;
@@ -198,14 +199,17 @@ class Inertial {
   const Vec<S, 3>& angular_rate() const { return angular_rate_; }
 
  private:
-  /// Images that turn otherwise than the gyroscope, for some time and always alike: its bias has jumped. d is log of what
-  /// the prediction lacks, d = -(b - b_then) dt.
-  void look_for_jump(State& x, const SE3<S>& T, S dt) {
+  /// Images that turn otherwise than the gyroscope, for some time, always alike and beyond doubt: its bias has jumped. d
+  /// is log of what the prediction lacks, d = -(b - b_then) dt; the variance is that of the mean.
+  void look_for_jump(State& x, const SE3<S>& T, const Mat<S, 6, 6>& covariance, S dt) {
     const Vec<S, 3> d = (x.T_world_body.rotation().inverse() * T.rotation()).log();
-    const S part = std::min(S(1), dt / S(options_.rate_error_s));
+    const S part = std::min(S(1), dt / S(options_.rate_error_s)), rest = S(1) - part;
+    const S variance = (covariance(0, 0) + covariance(1, 1) + covariance(2, 2)) / (dt * dt);
     rate_error_ += part * Vec<S, 3>(d / dt - rate_error_);
+    rate_variance_ = rest * rest * rate_variance_ + part * part * variance;
     since_jump_s_ += double(dt);
-    if (rate_error_.norm() <= S(options_.max_rate_error)) return;
+    const S clear = S(options_.rate_error_sigmas) * std::sqrt(rate_variance_);
+    if (!(rate_error_.norm() > std::max(S(options_.max_rate_error), clear))) return;
     x.bias_gyro -= rate_error_;
     x.T_world_body = T;
     rate_error_.setZero();
@@ -237,6 +241,7 @@ class Inertial {
   Preintegration<S> since_keyframe_;
   Vec<S, 3> angular_rate_ = Vec<S, 3>::Zero();
   Vec<S, 3> rate_error_ = Vec<S, 3>::Zero();  ///< see look_for_jump [rad/s]
+  S rate_variance_ = S(0);
   double since_jump_s_ = std::numeric_limits<double>::infinity();
   StandstillReport rest_;
   bool is_metric_ = false, blind_since_keyframe_ = false, jumped_since_keyframe_ = false, at_rest_ = false;

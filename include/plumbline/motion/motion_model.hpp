@@ -6,7 +6,7 @@
 ///   predict           the frame's state, before its features are used. `align_rotation(guess)` is what the images say
 ///                     of the camera's rotation since the previous one; `blind_s`: since when images are of no use
 ///   contradicts       whether the sensors of the motion exclude the pose that the frame's features say
-///   update            the frame's features say that it is at T: the state with which it enters the window
+///   update            the frame's features say that it is at T, that well: the state with which it enters the window
 ///   revise            after the window was solved: whether the frame's state is corrected by what the images alone say
 ///   lose              the images do not say where the frame is; `carries_on` if the model can without them
 ///   restart           everything begins anew; returns where
