@@ -31,7 +31,7 @@ struct InertialOptions : InertialLinkOptions {
   double max_innovation = 8;      ///< of a frame's pose by its images against the readings [sigma]
   double max_rate_error = 0.025;  ///< of the gyroscope against the images: more is another bias [rad/s]
   double rate_error_s = 0.3;      ///< mean over so long
-  double rate_error_sigmas = 6;   ///< and so many sigma of that mean
+  double rate_error_sigmas = 12;  ///< and so many sigma of that mean
   double jump_settles_s = 3;      ///< readings are in doubt for so long
   double max_disagreement = 6;    ///< of readings and images, see InertialLinks; about 2 on a vibrating drone
   double rest_motion_px = 0.5;    ///< landmarks that moved less since the last keyframe do not contradict a standstill
