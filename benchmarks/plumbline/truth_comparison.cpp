@@ -73,7 +73,7 @@ std::vector<TruthError> compare_with_truth(const io::Trajectory& truth, const st
   pl::SE3<double> whole = at_first, origin = at_first;  // where nothing moved there is no better one
   if (const auto S = io::align(pairs, gravity_is_known ? io::Alignment::posyaw : io::Alignment::se3)) {
     whole = pl::SE3<double>(S->rotation(), S->t()).inverse();
-    // True positions are good to millimetres, true attitudes to a degree: over some metres they tell the heading better.
+    // True positions are good to millimetres, true attitudes to a degree: over metres they tell the heading better.
     if (gravity_is_known && extent_of(pairs) > min_extent_m) {
       const io::PosePair& first = pairs.front();
       origin = {whole.rotation(), first.estimate.p() - whole.rotation() * first.reference.p()};

@@ -17,8 +17,8 @@ struct EstimatedPose {
 
 /// Of one pose. The error e = minus(truth, estimate) [dphi, dp] is that after aligning all poses. NEES, e^T P^-1 e, has
 /// the truth aligned at the first pose instead, which is where the covariances count from (positions with an IMU and
-/// some metres of path: with the heading of all of them): 6 is expected of a pose, 3 of its parts; NaN where P is not positive
-/// definite.
+/// some metres of path: with the heading of all of them): 6 is expected of a pose, 3 of its parts; NaN where P is not
+/// positive definite.
 struct TruthError {
   plumbline::TimeNs t_ns;
   plumbline::Vec<double, 6> error;

@@ -164,8 +164,8 @@ class Inertial {
     since_keyframe_ = imu_.since(x);
     blind_since_keyframe_ = jumped_since_keyframe_ = false;
   }
-  /// A link that was blind somewhere ends as soon as the readings are back: the next one tells the velocity. Readings as
-  /// of a standstill make a keyframe that the landmarks can be seen to rest against. At rest there are none.
+  /// A link that was blind somewhere ends as soon as the readings are back: the next one tells the velocity. Readings
+  /// as of a standstill make a keyframe that the landmarks can be seen to rest against. At rest there are none.
   bool confirm_keyframe(TimeNs t_ns, double motion_px, bool needed) {
     const bool rested = at_rest_;
     const double link_s = double(since_keyframe_.increment().duration);
@@ -199,8 +199,8 @@ class Inertial {
   const Vec<S, 3>& angular_rate() const { return angular_rate_; }
 
  private:
-  /// Images that turn otherwise than the gyroscope, for some time, always alike and beyond doubt: its bias has jumped. d
-  /// is log of what the prediction lacks, d = -(b - b_then) dt; the variance is that of the mean.
+  /// Images that turn otherwise than the gyroscope, for some time, always alike and beyond doubt: its bias has jumped.
+  /// d is log of what the prediction lacks, d = -(b - b_then) dt; the variance is that of the mean.
   void look_for_jump(State& x, const SE3<S>& T, const Mat<S, 6, 6>& covariance, S dt) {
     const Vec<S, 3> d = (x.T_world_body.rotation().inverse() * T.rotation()).log();
     const S part = std::min(S(1), dt / S(options_.rate_error_s)), rest = S(1) - part;
