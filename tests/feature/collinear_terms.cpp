@@ -71,7 +71,7 @@ struct Scene : test::SeenPoints<S, Rig<Mono<Pinhole<S>, 64 * 64>>> {
       point.geometry.bearing = p_cam.normalized().template cast<S>();
       point.geometry.inverse_range = S(1 / p_cam.norm());
     }
-    line.appearance.points.push_back({point.id});
+    line.appearance.points.push_back({.id = point.id});
     Base::store->landmarks().push_back(point);
   }
 
@@ -215,7 +215,7 @@ TEST_CASE("collinear_terms: a point at a corner counts for the nearer line") {
   Scene<double> scene;
   auto& lines = scene.lines->landmarks();
   const std::uint32_t id = lines[0].appearance.points[0].id;
-  lines[1].appearance.points.push_back({id});  // which is not near
+  lines[1].appearance.points.push_back({.id = id});  // which is not near
   lines[1].geometry.line = lines[0].anchor == lines[1].anchor ? lines[0].geometry.line : lines[1].geometry.line;
   scene.terms->choose(*scene.lines, *scene.store, scene.views);
   REQUIRE(scene.terms->cost(*scene.lines, *scene.store, scene.views) < 1e-6);

@@ -61,13 +61,15 @@ class CollinearTerms {
                 ? CollinearPoint<S>::linearize(line.geometry.line, point.geometry.bearing, point.geometry.inverse_range)
                 : CollinearPoint<S>::linearize(views(point.anchor, line.anchor), line.geometry.line,
                                                point.geometry.bearing, point.geometry.inverse_range);
-      lin.r /= Kind::tolerance;
-      const S squared = lin.r.squaredNorm(), w = std::sqrt(Kind::point_loss.weight(squared));
+      const S squared = whitened(lin.r).squaredNorm(), w = std::sqrt(Kind::point_loss.weight(squared));
       cost += double(Kind::point_loss.rho(squared)) / 2;
-      lin.r *= w;
-      lin.J_r_target *= w / Kind::tolerance;
-      lin.J_r_lambda *= w / Kind::tolerance;
-      lin.J_r_line *= w / Kind::tolerance;
+      for (int k = 0; k < 2; ++k) {
+        const S scale = w / (k == 0 ? Kind::sigma_across : Kind::sigma_along);
+        lin.r[k] *= scale;
+        lin.J_r_lambda[k] *= scale;
+        for (int c = 0; c < pose_dim; ++c) lin.J_r_target(k, c) *= scale;
+        for (int c = 0; c < line_dim; ++c) lin.J_r_line(k, c) *= scale;
+      }
     }
     return cost;
   }
@@ -154,13 +156,14 @@ class CollinearTerms {
     Vec<double, line_dim> by_line;  ///< B of (13)
   };
 
-  /// r of (3) over its tolerance.
+  /// W r of (3).
+  static Vec<S, 2> whitened(const Vec<S, 2>& r) { return {r[0] / Kind::sigma_across, r[1] / Kind::sigma_along}; }
   static Vec<S, 2> whitened(const auto& line, const auto& point, const Views& views) {
     const auto& at = point.geometry;
     const Vec<S, 3> P = line.anchor == point.anchor
                             ? at.bearing
                             : views(point.anchor, line.anchor).scaled_point(at.bearing, at.inverse_range);
-    return CollinearPoint<S>::residual(line.geometry.line, P, at.inverse_range) / Kind::tolerance;
+    return whitened(CollinearPoint<S>::residual(line.geometry.line, P, at.inverse_range));
   }
 
   FixedVector<Tie, PointStore::capacity> ties_;

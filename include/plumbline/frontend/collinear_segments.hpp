@@ -32,8 +32,7 @@ struct CollinearOptions {
   int target_count = 60;          ///< lines in sight
   float sigma_px = 0.4f;          ///< of an endpoint across the segment, however long and sharp the edge
   float peak_spacing_px = 4;      ///< of peaks along the edge that err independently
-  float member_px = 2;            ///< a point this near to a segment is on it ...
-  float crossing_px = 3;          ///< ... if no other segment that it is not on is as near as this
+  float member_px = 4;            ///< a point this near to a segment is on it: corners are found beside their edges
   float separation_px = 10;       ///< of the two points that two views of a line must share, in both
   float same_line_px = 2;         ///< between a segment and where a line is seen that it belongs to
   double sigma_points = 1.41421;  ///< of members that stand for their line, by their own: they count as points, too
@@ -99,6 +98,9 @@ class CollinearSegments {
       Observation seen;
       measure(view, image, detected_[k], seen);
       if (!seen.valid) continue;
+      for (auto& member : members) {
+        member.offset_px = seen.segment.distance(points.landmarks()[static_cast<std::size_t>(member.hint)].current.pixel);
+      }
       Landmark* line = recognize(view, window, store, slot, members, points, seen);
       if (line != nullptr) {
         if (line->current.from_points || !line->current.valid) {  // else it has a longer segment already
@@ -139,28 +141,27 @@ class CollinearSegments {
   }
   static void add_members(Members& to, const Members& more) {
     for (const auto& member : more) {
-      const auto is_it = [&](const auto& other) { return other.id == member.id; };
-      if (std::none_of(to.begin(), to.end(), is_it)) to.push_back(member);  // as many as there is room for
+      const auto known = std::find_if(to.begin(), to.end(), [&](const auto& other) { return other.id == member.id; });
+      if (known == to.end()) {
+        to.push_back(member);  // as many as there is room for
+      } else {
+        known->offset_px = member.offset_px;
+      }
     }
   }
 
-  /// The two segments that each point in sight is on.
+  /// The segments that each point in sight is on, two at a corner; where there are more nobody knows which.
   void associate(const auto& points) {
     segments_of_.clear();
     for (const auto& point : points.landmarks()) {
       Pair on{none, none};
-      int fits = 0;
-      bool crossing = false;
+      std::size_t fits = 0;
       for (std::size_t k = 0; point.current.valid && k < detected_.size(); ++k) {
-        const float distance = distance_to(detected_[k], point.current.pixel);
-        if (distance < options_.member_px) {
-          if (fits < 2) on[static_cast<std::size_t>(fits)] = static_cast<int>(k);
-          ++fits;
-        } else if (distance < options_.crossing_px) {
-          crossing = true;
-        }
+        if (!(distance_to(detected_[k], point.current.pixel) < options_.member_px)) continue;
+        if (fits < on.size()) on[fits] = static_cast<int>(k);
+        ++fits;
       }
-      segments_of_.push_back(crossing || fits > 2 ? Pair{none, none} : on);
+      segments_of_.push_back(fits > on.size() ? Pair{none, none} : on);
     }
   }
   /// Of a pixel to a segment, not to the line beyond its ends.
@@ -174,7 +175,7 @@ class CollinearSegments {
     for (std::size_t i = 0; i < segments_of_.size(); ++i) {
       const Pair& on = segments_of_[i];
       if (on[0] == static_cast<int>(segment) || on[1] == static_cast<int>(segment))
-        out.push_back({points.landmarks()[i].id, static_cast<int>(i), 0});
+        out.push_back({points.landmarks()[i].id, 0, static_cast<int>(i), 0});
     }
     return out;
   }
@@ -198,10 +199,10 @@ class CollinearSegments {
 
   // ------------------------------------------------------------------------------------------------ what is seen
 
-  /// The segment between the outermost members in sight.
+  /// The segment between the outermost members in sight, each moved by as much as it was beside the segment.
   void see_members(const View<Sensors>& view, Landmark& landmark, const auto& points) const {
     const LineSegment before = landmark.previous.valid ? landmark.previous.segment : landmark.seen_by_anchor().segment;
-    const Vec<float, 2> d = before.direction();
+    const Vec<float, 2> d = before.direction(), n_px = before.normal();
     LineSegment segment;
     float from = 0, to = 0, sigma_start = 0, sigma_end = 0;
     int n = 0;
@@ -211,15 +212,16 @@ class CollinearSegments {
       const auto& point = points.landmarks()[static_cast<std::size_t>(i)];
       if (!point.current.valid) continue;
       const float along = d.dot(point.current.pixel);
+      const Vec<float, 2> on_line = point.current.pixel - member.offset_px * n_px;
       if (n == 0 || along < from) {
         from = along;
-        segment.start = point.current.pixel;
-        sigma_start = sigma_across(point.current.L, before.normal());
+        segment.start = on_line;
+        sigma_start = sigma_across(point.current.L, n_px);
       }
       if (n == 0 || along > to) {
         to = along;
-        segment.end = point.current.pixel;
-        sigma_end = sigma_across(point.current.L, before.normal());
+        segment.end = on_line;
+        sigma_end = sigma_across(point.current.L, n_px);
       }
       ++n;
     }
@@ -310,10 +312,11 @@ class CollinearSegments {
 
   // ------------------------------------------------------------------------------------------------ location
 
-  /// A member in the camera of the line's anchor, scaled by its inverse range.
+  /// A member as the line's anchor sees it.
   struct InAnchor {
-    Vec<S, 3> P;
-    S lambda, sigma;  ///< of lambda
+    RelativeView<S> view;  ///< from the point's anchor
+    Vec<S, 3> bearing;     ///< there
+    S lambda, sigma;       ///< of lambda
   };
 
   void locate(const View<Sensors>& view, const auto& window, Landmark& landmark, const auto& points) const {
@@ -327,14 +330,14 @@ class CollinearSegments {
       const int i = index_of(points, member);
       if (i < 0 || !points.landmarks()[static_cast<std::size_t>(i)].located) continue;
       const auto& point = points.landmarks()[static_cast<std::size_t>(i)];
+      const auto& at = point.geometry;
       const RelativeView<S> to_line(window.T_world_body(point.anchor), window.T_world_body(landmark.anchor),
                                     view.T_body_cam);
-      const S lambda = point.geometry.inverse_range;
-      const Vec<S, 3> P = to_line.scaled_point(point.geometry.bearing, lambda), X = P / lambda;
+      const Vec<S, 3> X = to_line.scaled_point(at.bearing, at.inverse_range) / at.inverse_range;
       const S along = (pixels.bearing_end - pixels.bearing_start).dot(X) / X.norm();
       if (members.empty() || along < from) from = along, start = X;
       if (members.empty() || along > to) to = along, end = X;
-      members.push_back({P, lambda, point.geometry.sigma_inverse_range});
+      members.push_back({to_line, at.bearing, at.inverse_range, at.sigma_inverse_range});
     }
     if (members.size() < 2) return;
     Line3<S> line = Line3<S>::through(start, end);
@@ -344,10 +347,11 @@ class CollinearSegments {
       DenseNormalEquations<double, 4> system;
       detail::add_in_anchor(seen.pixels, line, system);
       for (const InAnchor& member : members) {
-        const auto lin = CollinearPoint<S>::linearize(line, member.P, member.lambda);
-        const S squared = lin.r.squaredNorm() / variance_of(lin, member);
-        const S w = S(1) / std::sqrt(variance_of(lin, member));
-        system.add(Mat<S, 2, 4>(w * lin.J_r_line), Vec<S, 2>(w * lin.r), Kind::point_loss.weight(squared));
+        const auto lin = CollinearPoint<S>::linearize(member.view, line, member.bearing, member.lambda);
+        const Vec<S, 2> w = weights_of(lin, member), r = w.cwiseProduct(lin.r);
+        Mat<S, 2, 4> J = lin.J_r_line;
+        for (int c = 0; c < 4; ++c) J(0, c) *= w[0], J(1, c) *= w[1];
+        system.add(J, r, Kind::point_loss.weight(r.squaredNorm()));
       }
       Vec<double, 4> step;
       if (!system.solve(step) || !system.covariance(covariance)) return;
@@ -355,16 +359,16 @@ class CollinearSegments {
     }
     int straight = 0;
     for (const InAnchor& member : members) {
-      const auto lin = CollinearPoint<S>::linearize(line, member.P, member.lambda);
-      straight += lin.r.squaredNorm() < S(9) * variance_of(lin, member);
+      const auto lin = CollinearPoint<S>::linearize(member.view, line, member.bearing, member.lambda);
+      straight += weights_of(lin, member).cwiseProduct(lin.r).squaredNorm() < S(9);
     }
     if (straight < 2 || 2 * straight < static_cast<int>(members.size())) return;
     detail::adopt_line(landmark, line, Mat<S, 4, 4>(covariance.template cast<S>()));
   }
-  /// Of r: the edge is not perfectly straight, and the point's range not known.
-  static S variance_of(const typename CollinearPoint<S>::Linearized& lin, const InAnchor& member) {
-    const S by_range = (lin.J_r_lambda).norm() * member.sigma;
-    return Kind::tolerance * Kind::tolerance + by_range * by_range;
+  /// Of r, one by sigma: that of the tie and that of the point's range.
+  static Vec<S, 2> weights_of(const typename CollinearPoint<S>::Linearized& lin, const InAnchor& member) {
+    return {S(1) / std::hypot(Kind::sigma_across, lin.J_r_lambda[0] * member.sigma),
+            S(1) / std::hypot(Kind::sigma_along, lin.J_r_lambda[1] * member.sigma)};
   }
 
   Options options_;
