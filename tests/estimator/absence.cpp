@@ -8,6 +8,7 @@
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/core/present.hpp"
 #include "plumbline/estimator/estimator.hpp"
+#include "plumbline/feature/collinear.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"
@@ -69,6 +70,8 @@ TEST_CASE("absence: what stands for nothing is an empty type of its own") {
   STATIC_REQUIRE(is_free<Present<InverseDepth<S>, false>>);
   STATIC_REQUIRE(is_free<Present<Vec<S, 3>, false>>);
   STATIC_REQUIRE(is_free<DepthStart<S>>);
+  STATIC_REQUIRE(is_free<LandmarkTies<PartsOf<false, false, false, false>::Landmarks>>);
+  STATIC_REQUIRE(is_free<LandmarkTies<PartsOf<true, true, true, true>::Landmarks>>);
 }
 
 TEST_CASE("absence: a rig is its camera and two numbers") {
@@ -127,6 +130,23 @@ TEST_CASE("absence: an estimator without lines lacks at least their store, their
       STATIC_REQUIRE(size<imu, depth, rolls, true> - size<imu, depth, rolls, false> >= of_lines);
     }
   });
+}
+
+TEST_CASE("absence: collinear features are their store, their front end, their terms and the ties to points") {
+  using Sensors = RigOf<true, false, true>;
+  using Parts = Composition<Sensors, Features<Points<60>, Collinear<30>>, SlidingWindow<slots>>;
+  using Points = std::remove_cvref_t<decltype(std::declval<Parts::Landmarks>().get<0>())>;
+  using Store = std::remove_cvref_t<decltype(std::declval<Parts::Landmarks>().get<1>())>;
+  constexpr std::size_t of_collinear = sizeof(Store) + sizeof(Parts::FrontEnds::Of<Collinear<30>>) +
+                                       sizeof(WindowTerms<Store>) + sizeof(CollinearTerms<Store, Points>);
+  constexpr std::size_t with =
+      sizeof(Estimator<Sensors, Features<plumbline::Points<60>, Collinear<30>>, SlidingWindow<slots>>);
+  constexpr std::size_t without = size<true, false, true, false>;
+  std::printf("collinear: %zu bytes more than points alone\n", with - without);
+  STATIC_REQUIRE(with - without >= of_collinear);
+  // Nothing of a line's looks is kept, and no depth but that of the points.
+  STATIC_REQUIRE(sizeof(CollinearKind<RigOf<false, true, false>>::Observation) <
+                 sizeof(LineKind<RigOf<false, false, false>>::Observation));
 }
 
 TEST_CASE("absence: whatever is left out makes an estimator smaller, whatever else it has") {

@@ -6,6 +6,7 @@
 #include "catch.hpp"
 #include "plumbline/backend/sliding_window.hpp"
 #include "plumbline/camera/pinhole.hpp"
+#include "plumbline/feature/collinear.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"
@@ -57,6 +58,20 @@ TEST_CASE("composition: each kind has a store of its own and the front end that 
   using Begun = Of<MonoImuRig, Features<StartPoints<60>, Lines<20>>>;
   using StartStore = LandmarkStore<PointKind<MonoImuRig>, 60, 4>;
   STATIC_REQUIRE(std::same_as<Begun::FrontEnds::Of<StartPoints<60>>, StartFlow<StartStore>>);
+}
+
+TEST_CASE("composition: collinear features hold the points named before them, with and without lines") {
+  using PointStore = LandmarkStore<PointKind<MonoRig>, 50, 4>;
+  using CollinearStore = LandmarkStore<CollinearKind<MonoRig>, 20, 4>;
+  using Both = Of<MonoRig, Features<Points<50>, Collinear<20>>>;
+  using All = Of<MonoRig, Features<Points<50>, Lines<20>, Collinear<20>>>;
+  STATIC_REQUIRE(std::same_as<Both::Landmarks, LandmarkSet<PointStore, CollinearStore>>);
+  STATIC_REQUIRE(std::same_as<Both::FrontEnds::Of<Collinear<20>>, CollinearSegments<CollinearStore>>);
+  STATIC_REQUIRE(std::same_as<All::FrontEnds::Of<Collinear<20>>, CollinearSegments<CollinearStore>>);
+  STATIC_REQUIRE(LandmarkTies<Both::Landmarks>::any);
+  STATIC_REQUIRE(LandmarkTies<All::Landmarks>::any);
+  STATIC_REQUIRE_FALSE(LandmarkTies<Of<MonoRig>::Landmarks>::any);
+  STATIC_REQUIRE_FALSE(LandmarkTies<Of<MonoRig, Features<Points<50>, Lines<20>>>::Landmarks>::any);
 }
 
 TEST_CASE("composition: the robust kernel is a part of a kind") {

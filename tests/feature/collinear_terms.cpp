@@ -133,8 +133,7 @@ struct Scene : test::SeenPoints<S, Rig<Mono<Pinhole<S>, 64 * 64>>> {
   double distance_to_line(int point) const {
     const auto& p = Base::store->landmarks()[std::size_t(point)];
     const auto& line = lines->landmarks()[std::size_t(point / on_each)];
-    return (views_of(p.anchor, line.anchor) * (p.geometry.bearing / p.geometry.inverse_range)
-                                                   .template cast<double>() -
+    return (views_of(p.anchor, line.anchor) * (p.geometry.bearing / p.geometry.inverse_range).template cast<double>() -
             line.geometry.line.closest_point().template cast<double>())
         .cross(line.geometry.line.direction().template cast<double>())
         .norm();

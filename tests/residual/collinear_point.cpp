@@ -48,7 +48,8 @@ TEMPLATE_TEST_CASE("collinear_point: Jacobians by the line's pose, the point and
       const Vec<double, 2> r = s.residual(s.T_world_point, s.T_world_anchor, s.line, s.lambda);
       REQUIRE((lin.r.template cast<double>() - r).norm() < tolerance * (1 + r.norm()));
       REQUIRE(jacobian_error(
-                  lin.J_r_target, [&](const SE3<double>& T) { return s.residual(s.T_world_point, T, s.line, s.lambda); },
+                  lin.J_r_target,
+                  [&](const SE3<double>& T) { return s.residual(s.T_world_point, T, s.line, s.lambda); },
                   s.T_world_anchor, 1e-5) < tolerance);
       REQUIRE(jacobian_error(
                   lin.J_r_line,
@@ -79,8 +80,8 @@ TEMPLATE_TEST_CASE("collinear_point: Jacobians in the line's own camera", "", fl
       return CollinearPoint<double>::residual(line, s.bearing, lambda);
     };
     REQUIRE(lin.J_r_target.isZero(S(0)));
-    REQUIRE(jacobian_error(lin.J_r_line, [&](const Line3<double>& x) { return r(x, s.lambda); }, s.line, 1e-5) <
-            tolerance);
+    REQUIRE(jacobian_error(
+                lin.J_r_line, [&](const Line3<double>& x) { return r(x, s.lambda); }, s.line, 1e-5) < tolerance);
     REQUIRE(jacobian_error(
                 Mat<S, 2, 1>(lin.J_r_lambda), [&](const Vec<double, 1>& x) { return r(s.line, x[0]); },
                 Vec<double, 1>(s.lambda), 1e-5) < tolerance);
@@ -102,6 +103,7 @@ TEST_CASE("collinear_point: the length is the distance by the range, whatever th
     const RelativeView<double> view(scaled(s.T_world_point), scaled(s.T_world_anchor), scaled(s.T_body_cam));
     const Line3<double> longer(Plucker<double>{scale * line.n, line.v});
     const double lambda = s.lambda / scale;
-    REQUIRE((CollinearPoint<double>::residual(longer, view.scaled_point(s.bearing, lambda), lambda) - r).norm() < 1e-12);
+    REQUIRE((CollinearPoint<double>::residual(longer, view.scaled_point(s.bearing, lambda), lambda) - r).norm() <
+            1e-12);
   }
 }

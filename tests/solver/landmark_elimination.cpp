@@ -337,7 +337,8 @@ TEST_CASE("landmark_elimination: rows that tie a landmark to another one") {
       Tied tied(seed);
       tied.normal.reset(poses);
       for (int i = 0; i < poses; ++i) {
-        tied.normal.add_block(i, i, Mat<double, pose_dim, pose_dim>(0.25 * Mat<double, pose_dim, pose_dim>::Identity()));
+        tied.normal.add_block(i, i,
+                              Mat<double, pose_dim, pose_dim>(0.25 * Mat<double, pose_dim, pose_dim>::Identity()));
       }
       REQUIRE(tied.point.eliminate(mu, tied.pairs));
       REQUIRE(tied.line.eliminate(mu, tied.pairs));

@@ -228,12 +228,11 @@ class WindowBackend {
       landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
         eliminated = eliminated && terms.eliminate(store, S(mu), self.equations_.pairs, self.equations_.normal);
       });
-      self.ties_.for_each(landmarks, self.terms_,
-                          [&](auto& ties, auto& lines, auto& points, auto& line_terms, auto& point_terms) {
-                            if (!eliminated) return;
-                            ties.eliminate(lines, line_terms, points, point_terms, self.equations_.pairs,
-                                           self.equations_.normal);
-                          });
+      self.ties_.for_each(
+          landmarks, self.terms_, [&](auto& ties, auto& lines, auto& points, auto& line_terms, auto& point_terms) {
+            if (!eliminated) return;
+            ties.eliminate(lines, line_terms, points, point_terms, self.equations_.pairs, self.equations_.normal);
+          });
       return eliminated;
     }
 
@@ -243,10 +242,9 @@ class WindowBackend {
       landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
         predicted_decrease += terms.solve(store, self.equations_.step, Layout::dim);
       });
-      self.ties_.for_each(
-          landmarks, self.terms_, [&](auto& ties, auto&, auto&, auto& line_terms, auto& point_terms) {
-            predicted_decrease += ties.solve(line_terms, point_terms, self.equations_.step, Layout::dim);
-          });
+      self.ties_.for_each(landmarks, self.terms_, [&](auto& ties, auto&, auto&, auto& line_terms, auto& point_terms) {
+        predicted_decrease += ties.solve(line_terms, point_terms, self.equations_.step, Layout::dim);
+      });
       return true;
     }
 

@@ -12,7 +12,9 @@
 namespace plumbline {
 
 template <class Kind>
-concept HoldsOthers = requires { typename Kind::Member; };
+concept HoldsOthers = requires {
+  typename Kind::Member;
+};
 
 template <class Landmarks>
 class LandmarkTies;
@@ -40,7 +42,8 @@ class LandmarkTies<LandmarkSet<Stores...>> {
 
   template <std::size_t I, std::size_t J>
   static constexpr std::size_t held_by() {
-    static_assert(J < I, "plumbline: collinear features need points named before them, Features<Points<>, Collinear<>>");
+    static_assert(J < I,
+                  "plumbline: collinear features need points named before them, Features<Points<>, Collinear<>>");
     if constexpr (KindOf<I>::template holds<KindOf<J>>) {
       return J;
     } else {
@@ -61,7 +64,7 @@ class LandmarkTies<LandmarkSet<Stores...>> {
   template <std::size_t... I>
   static auto tuple_of(std::index_sequence<I...>) -> std::tuple<typename TieOf<I>::Type...>;
 
-  decltype(tuple_of(std::index_sequence_for<Stores...>{})) ties_;
+  [[no_unique_address]] decltype(tuple_of(std::index_sequence_for<Stores...>{})) ties_;
 };
 
 }  // namespace plumbline

@@ -99,7 +99,8 @@ class CollinearSegments {
       measure(view, image, detected_[k], seen);
       if (!seen.valid) continue;
       for (auto& member : members) {
-        member.offset_px = seen.segment.distance(points.landmarks()[static_cast<std::size_t>(member.hint)].current.pixel);
+        member.offset_px =
+            seen.segment.distance(points.landmarks()[static_cast<std::size_t>(member.hint)].current.pixel);
       }
       Landmark* line = recognize(view, window, store, slot, members, points, seen);
       if (line != nullptr) {
@@ -126,7 +127,8 @@ class CollinearSegments {
   static constexpr int none = -1;
 
   static const auto& points_of(const auto& before) {
-    return std::apply([](const auto&... stores) -> const auto& { return held_of<Kind>(stores...); }, before);
+    return std::apply(
+        [](const auto&... stores) -> const auto& { return held_of<Kind>(stores...); }, before);
   }
 
   // ------------------------------------------------------------------------------------------------ members
@@ -245,8 +247,7 @@ class CollinearSegments {
   /// A detected segment by the edge below it.
   void measure(const View<Sensors>& view, const ImageView<const std::uint8_t>& image, const LineSegment& segment,
                Observation& out) {
-    const TrackedLine tracked =
-        tracker_.track(edges_, image, profile_of(image, segment), segment, options_.tracking);
+    const TrackedLine tracked = tracker_.track(edges_, image, profile_of(image, segment), segment, options_.tracking);
     out.valid = out.from_points = false;
     if (!tracked.valid) return;
     const float peaks = std::max(1.0f, tracked.support * tracked.segment.length() / options_.peak_spacing_px);
@@ -265,8 +266,8 @@ class CollinearSegments {
       Members shared = shared_of(members, landmark.appearance.points);
       if (shared.size() < 2 || !are_apart(shared, points, &landmark.anchor)) continue;
       if (!agrees(view, window, landmark, slot, seen)) continue;
-      const bool better = found == nullptr || (landmark.located != found->located ? landmark.located
-                                                                                : shared.size() > most);
+      const bool better =
+          found == nullptr || (landmark.located != found->located ? landmark.located : shared.size() > most);
       Landmark* other = better ? found : &landmark;
       if (better) {
         found = &landmark;

@@ -12,9 +12,9 @@ namespace plumbline {
 
 template <class S, std::size_t R, int BlockDim, int MaxBlocks, int OtherDim>
 struct BlockRows {
-  std::bitset<MaxBlocks> touched;                                ///< blocks that J has values of
-  std::array<std::array<Vec<S, BlockDim>, R>, MaxBlocks> J;      ///< block by block, row by row
-  std::array<Vec<S, OtherDim>, R> J_other;                       ///< by the landmark
+  std::bitset<MaxBlocks> touched;                            ///< blocks that J has values of
+  std::array<std::array<Vec<S, BlockDim>, R>, MaxBlocks> J;  ///< block by block, row by row
+  std::array<Vec<S, OtherDim>, R> J_other;                   ///< by the landmark
   std::array<S, R> r;
 
   /// H += J^T J, b += J^T r, the landmark being eliminated.
