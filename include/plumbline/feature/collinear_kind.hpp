@@ -3,12 +3,13 @@
 ///                                                                                        docs/math/collinear.md
 /// A line in the camera of its anchor, as those of LineKind, measured by the segments of keyframes. What is on it are
 /// landmarks of the points before it in the list of features; in the window they are tied to it,
-///   1/2 rho(|W r|^2),   W = diag(1/sigma_across, 1/sigma_along),   r of residual/collinear_point.hpp,        (3)
+///   1/2 rho(|r|^2 / sigma^2),   sigma^2 = tolerance^2 + offset^2,   r of residual/collinear_point.hpp,       (3)
 /// and by them, not by its looks, it is recognized in the next keyframe.
 ///
 /// Between keyframes nobody looks for segments: the outermost of its points in sight stand for one (`from_points`).
 /// They measure a frame against the line that the keyframes know; the window has them as points already.
 
+#include <cmath>
 #include <cstdint>
 
 #include "plumbline/core/fixed_vector.hpp"
@@ -34,9 +35,8 @@ struct CollinearKind : LineKind<SensorsT, Loss, CollinearObservation<typename Se
   using typename Lines::InAnchor;
   using typename Lines::Linearized;
   using typename Lines::Observation;
-  static constexpr int max_points = 12;  ///< on one line
-  /// Of (3), distances by the range: corners are beside their edge in the image; edges are not perfectly straight.
-  static constexpr S sigma_across = S(0.01), sigma_along = S(0.003);
+  static constexpr int max_points = 12;     ///< on one line
+  static constexpr S tolerance = S(0.003);  ///< of (3), distance by range: edges are not perfectly straight
   static constexpr Loss<S> point_loss = Lines::pixel_loss;
 
   /// Whether landmarks of this kind may lie on the line.
@@ -45,9 +45,12 @@ struct CollinearKind : LineKind<SensorsT, Loss, CollinearObservation<typename Se
 
   struct Member {
     std::uint32_t id;
-    float offset_px = 0;  ///< from the segment, in the last keyframe that showed both
+    float offset_px = 0;  ///< beside the segment, in the last keyframe that showed both
+    S offset = S(0);      ///< the same as an angle [rad]: what is beside an edge need not have its depth
     int hint = 0;         ///< where in its store it was found last
     int misfits = 0;      ///< optimizations in a row that put it elsewhere
+
+    S sigma() const { return std::hypot(tolerance, offset); }  ///< of (3)
   };
   struct Appearance {
     FixedVector<Member, max_points> points;

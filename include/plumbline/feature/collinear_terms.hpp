@@ -37,14 +37,15 @@ class CollinearTerms {
       for (auto& member : line.appearance.points) {
         const int p = index_of(points, member);
         if (p < 0 || !points.landmarks()[p].takes_part()) continue;
-        const S error = whitened(line, points.landmarks()[p], views).squaredNorm();
+        const S sigma = member.sigma(), error = whitened(line, points.landmarks()[p], sigma, views).squaredNorm();
         if (!(error < max_error * max_error)) continue;
         int& tie = of_point_[static_cast<std::size_t>(p)];
         if (tie == none) {
           tie = static_cast<int>(ties_.size());
-          ties_.push_back({static_cast<int>(i), p, error, {}, Vec<double, line_dim>::Zero()});
+          ties_.push_back({static_cast<int>(i), p, sigma, error, {}, Vec<double, line_dim>::Zero()});
         } else if (error < ties_[tie].error) {
           ties_[tie].line = static_cast<int>(i);
+          ties_[tie].sigma = sigma;
           ties_[tie].error = error;
         }
       }
@@ -61,15 +62,13 @@ class CollinearTerms {
                 ? CollinearPoint<S>::linearize(line.geometry.line, point.geometry.bearing, point.geometry.inverse_range)
                 : CollinearPoint<S>::linearize(views(point.anchor, line.anchor), line.geometry.line,
                                                point.geometry.bearing, point.geometry.inverse_range);
-      const S squared = whitened(lin.r).squaredNorm(), w = std::sqrt(Kind::point_loss.weight(squared));
+      const S squared = lin.r.squaredNorm() / (tie.sigma * tie.sigma);
+      const S scale = std::sqrt(Kind::point_loss.weight(squared)) / tie.sigma;
       cost += double(Kind::point_loss.rho(squared)) / 2;
-      for (int k = 0; k < 2; ++k) {
-        const S scale = w / (k == 0 ? Kind::sigma_across : Kind::sigma_along);
-        lin.r[k] *= scale;
-        lin.J_r_lambda[k] *= scale;
-        for (int c = 0; c < pose_dim; ++c) lin.J_r_target(k, c) *= scale;
-        for (int c = 0; c < line_dim; ++c) lin.J_r_line(k, c) *= scale;
-      }
+      lin.r *= scale;
+      lin.J_r_target *= scale;
+      lin.J_r_lambda *= scale;
+      lin.J_r_line *= scale;
     }
     return cost;
   }
@@ -78,7 +77,7 @@ class CollinearTerms {
     double sum = 0;
     for (const Tie& tie : ties_) {
       sum += double(Kind::point_loss.rho(
-          whitened(lines.landmarks()[tie.line], points.landmarks()[tie.point], views).squaredNorm()));
+          whitened(lines.landmarks()[tie.line], points.landmarks()[tie.point], tie.sigma, views).squaredNorm()));
     }
     return sum / 2;
   }
@@ -134,7 +133,7 @@ class CollinearTerms {
       for (std::size_t k = members.size(); k-- > 0;) {
         const int p = index_of(points, members[k]);
         if (p < 0 || !points.landmarks()[p].takes_part()) continue;
-        const bool fits = whitened(line, points.landmarks()[p], views).norm() < S(3);
+        const bool fits = whitened(line, points.landmarks()[p], members[k].sigma(), views).norm() < S(3);
         members[k].misfits = fits ? 0 : members[k].misfits + 1;
         if (members[k].misfits >= max_misfits) members.swap_remove(k);
       }
@@ -151,19 +150,18 @@ class CollinearTerms {
 
   struct Tie {
     int line, point;  ///< where they are in their stores
-    S error;          ///< squared, when it was chosen
+    S sigma, error;   ///< of the tie; squared and whitened, when it was chosen
     typename CollinearPoint<S>::Linearized rows;
     Vec<double, line_dim> by_line;  ///< B of (13)
   };
 
-  /// W r of (3).
-  static Vec<S, 2> whitened(const Vec<S, 2>& r) { return {r[0] / Kind::sigma_across, r[1] / Kind::sigma_along}; }
-  static Vec<S, 2> whitened(const auto& line, const auto& point, const Views& views) {
+  /// r/sigma of (3).
+  static Vec<S, 2> whitened(const auto& line, const auto& point, S sigma, const Views& views) {
     const auto& at = point.geometry;
     const Vec<S, 3> P = line.anchor == point.anchor
                             ? at.bearing
                             : views(point.anchor, line.anchor).scaled_point(at.bearing, at.inverse_range);
-    return whitened(CollinearPoint<S>::residual(line.geometry.line, P, at.inverse_range));
+    return CollinearPoint<S>::residual(line.geometry.line, P, at.inverse_range) / sigma;
   }
 
   FixedVector<Tie, PointStore::capacity> ties_;

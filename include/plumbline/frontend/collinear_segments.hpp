@@ -99,8 +99,9 @@ class CollinearSegments {
       measure(view, image, detected_[k], seen);
       if (!seen.valid) continue;
       for (auto& member : members) {
-        member.offset_px =
-            seen.segment.distance(points.landmarks()[static_cast<std::size_t>(member.hint)].current.pixel);
+        const auto& point = points.landmarks()[static_cast<std::size_t>(member.hint)];
+        member.offset_px = seen.segment.distance(point.current.pixel);
+        member.offset = 2 * S(member.offset_px) / seen.pixels.measured.px_per_rad.sum();
       }
       Landmark* line = recognize(view, window, store, slot, members, points, seen);
       if (line != nullptr) {
@@ -148,6 +149,7 @@ class CollinearSegments {
         to.push_back(member);  // as many as there is room for
       } else {
         known->offset_px = member.offset_px;
+        known->offset = member.offset;
       }
     }
   }
@@ -177,7 +179,7 @@ class CollinearSegments {
     for (std::size_t i = 0; i < segments_of_.size(); ++i) {
       const Pair& on = segments_of_[i];
       if (on[0] == static_cast<int>(segment) || on[1] == static_cast<int>(segment))
-        out.push_back({points.landmarks()[i].id, 0, static_cast<int>(i), 0});
+        out.push_back({.id = points.landmarks()[i].id, .hint = static_cast<int>(i)});
     }
     return out;
   }
@@ -286,14 +288,18 @@ class CollinearSegments {
     return out;
   }
 
-  /// Whether a line, if its place is known, is seen where the frame in `slot` has a segment.
+  /// Whether a line is seen where the frame in `slot` has a segment, and is bright on the same side; only the latter
+  /// when its place is not known.
   bool agrees(const View<Sensors>& view, const auto& window, const Landmark& landmark, int slot,
               const Observation& seen) const {
-    if (!landmark.located) return true;
+    if (!landmark.located) return landmark.seen_by_anchor().segment.direction().dot(seen.segment.direction()) > 0;
     const SE3<S> T_cam_anchor = (window.T_world_body(slot) * view.T_body_cam).inverse() *
                                 (window.T_world_body(landmark.anchor) * view.T_body_cam);
-    const Vec<S, 2> r = seen.pixels.measured.residual(T_cam_anchor * landmark.geometry.line.plucker());
-    return std::abs(r[0]) < S(options_.same_line_px) && std::abs(r[1]) < S(options_.same_line_px);
+    const Plucker<S> line = T_cam_anchor * landmark.geometry.line.plucker();
+    const LineReprojection<S>& pixels = seen.pixels.measured;
+    const Vec<S, 2> r = pixels.residual(line);
+    return std::abs(r[0]) < S(options_.same_line_px) && std::abs(r[1]) < S(options_.same_line_px) &&
+           line.n.dot(pixels.bearing_start.cross(pixels.bearing_end)) > S(0);
   }
   /// The segments and points of one line become those of another, if it is seen where all of them are.
   void merge(const View<Sensors>& view, const auto& window, Landmark& line, Landmark& other) const {
@@ -315,9 +321,9 @@ class CollinearSegments {
 
   /// A member as the line's anchor sees it.
   struct InAnchor {
-    RelativeView<S> view;  ///< from the point's anchor
-    Vec<S, 3> bearing;     ///< there
-    S lambda, sigma;       ///< of lambda
+    RelativeView<S> view;           ///< from the point's anchor
+    Vec<S, 3> bearing;              ///< there
+    S lambda, sigma_lambda, sigma;  ///< of the tie
   };
 
   void locate(const View<Sensors>& view, const auto& window, Landmark& landmark, const auto& points) const {
@@ -338,7 +344,7 @@ class CollinearSegments {
       const S along = (pixels.bearing_end - pixels.bearing_start).dot(X) / X.norm();
       if (members.empty() || along < from) from = along, start = X;
       if (members.empty() || along > to) to = along, end = X;
-      members.push_back({to_line, at.bearing, at.inverse_range, at.sigma_inverse_range});
+      members.push_back({to_line, at.bearing, at.inverse_range, at.sigma_inverse_range, member.sigma()});
     }
     if (members.size() < 2) return;
     Line3<S> line = Line3<S>::through(start, end);
@@ -368,8 +374,8 @@ class CollinearSegments {
   }
   /// Of r, one by sigma: that of the tie and that of the point's range.
   static Vec<S, 2> weights_of(const typename CollinearPoint<S>::Linearized& lin, const InAnchor& member) {
-    return {S(1) / std::hypot(Kind::sigma_across, lin.J_r_lambda[0] * member.sigma),
-            S(1) / std::hypot(Kind::sigma_along, lin.J_r_lambda[1] * member.sigma)};
+    return {S(1) / std::hypot(member.sigma, lin.J_r_lambda[0] * member.sigma_lambda),
+            S(1) / std::hypot(member.sigma, lin.J_r_lambda[1] * member.sigma_lambda)};
   }
 
   Options options_;
