@@ -28,14 +28,17 @@ using SteadyTime = std::chrono::steady_clock::time_point;
 volatile std::sig_atomic_t stop_asked = 0;
 void ask_to_stop(int) { stop_asked = 1; }
 
-/// SIGINT and SIGTERM ask to stop while this lives.
+/// SIGINT and SIGTERM ask to stop while this lives; not where they are ignored, as in the background of a script.
 class StopSignals {
  public:
   StopSignals() {
     stop_asked = 0;
     struct sigaction action = {};
     action.sa_handler = ask_to_stop;
-    for (std::size_t i = 0; i < signals.size(); ++i) sigaction(signals[i], &action, &before_[i]);
+    for (std::size_t i = 0; i < signals.size(); ++i) {
+      sigaction(signals[i], nullptr, &before_[i]);
+      if (before_[i].sa_handler != SIG_IGN) sigaction(signals[i], &action, nullptr);
+    }
   }
   StopSignals(const StopSignals&) = delete;
   StopSignals& operator=(const StopSignals&) = delete;

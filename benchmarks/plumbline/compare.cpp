@@ -3,11 +3,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <iostream>
+#include <optional>
 #include <stdexcept>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -19,6 +21,7 @@
 #include "compare_run.hpp"
 #include "compare_table.hpp"
 #include "machine.hpp"
+#include "page.hpp"
 #include "plumbline/io/output_file.hpp"
 #include "plumbline/io/text.hpp"
 #include "progress.hpp"
@@ -65,6 +68,7 @@ void write_outputs(const CompareOptions& options, const json& comparison) {
     output.commit();
   };
   write(options.json, [&](std::ostream& out) { out << text_of(comparison) << '\n'; });
+  write(options.report, [&](std::ostream& out) { write_page(out, "compare", comparison); });
   write(options.markdown, [&](std::ostream& out) { print_markdown(out, comparison); });
 }
 
@@ -154,8 +158,12 @@ int run_merge(const CompareOptions& options) {
   if (std::any_of(comparison.at("runs").begin(), comparison.at("runs").end(),
                   [](const json& run) { return run.contains("machine") || run.contains("processes"); }))
     std::fprintf(stderr, "runs of several machines, or of other numbers side by side: do not compare their times\n");
-  write_outputs(options, comparison);
-  print_table(std::cout, comparison);
+  try {
+    write_outputs(options, comparison);
+    print_table(std::cout, comparison);
+  } catch (const json::exception&) {
+    throw std::runtime_error("--merge: a file is not a whole comparison");
+  }
   return 0;
 }
 

@@ -131,5 +131,5 @@ void print_markdown(std::ostream& out, const json& comparison) {
     if (!alignment.empty())
       out << "| `" << configuration.at("name").get<std::string>() << "` | " << alignment << " |" << cells << '\n';
   }
-  out << "\nATE median, worst, coverage, time of a frame. " << legend_of(comparison) << '\n';
+  out << "\nEach cell: ATE median and worst, coverage, time of a frame. " << legend_of(comparison) << '\n';
 }
