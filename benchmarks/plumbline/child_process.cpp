@@ -1,12 +1,11 @@
 #include "child_process.hpp"
 
-#include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -63,7 +62,7 @@ struct Child {
   bool is_late = false;  ///< and was stopped for it
 };
 
-/// In the child. Whatever happens to the parent, the child does not outlive it; signals of the terminal are its concern.
+/// In the child, which does not outlive its parent and leaves the signals of the terminal to it.
 [[noreturn]] void do_work(const std::function<void(std::size_t)>& work, std::size_t index, std::FILE* output) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   std::signal(SIGINT, SIG_IGN);

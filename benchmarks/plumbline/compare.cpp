@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <iostream>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -53,11 +54,16 @@ struct Shard {
 };
 
 /// Before hours of work.
-void require_writable(const std::optional<fs::path>& file) {
-  if (!file) return;
-  const fs::path folder = file->has_parent_path() ? file->parent_path() : ".";
-  if (file->empty() || fs::is_directory(*file) || access(folder.c_str(), W_OK) != 0)
-    throw std::runtime_error(file->string() + ": cannot be written");
+void check_outputs(const CompareOptions& options) {
+  std::set<fs::path> files;
+  for (const auto& file : {options.json, options.report, options.markdown}) {
+    if (!file) continue;
+    const fs::path folder = file->has_parent_path() ? file->parent_path() : ".";
+    if (file->empty() || fs::is_directory(*file) || access(folder.c_str(), W_OK) != 0)
+      throw std::runtime_error(file->string() + ": cannot be written");
+    if (!files.insert(fs::weakly_canonical(fs::absolute(*file))).second)
+      throw std::runtime_error(file->string() + ": more than one output of that name");
+  }
 }
 
 void write_outputs(const CompareOptions& options, const json& comparison) {
@@ -176,7 +182,7 @@ void require_complete(const CompareOptions& options) {
 }  // namespace
 
 int run_compare(const CompareOptions& options) {
-  for (const auto& file : {options.json, options.report, options.markdown}) require_writable(file);
+  check_outputs(options);
   if (!options.merge.empty()) return run_merge(options);
   require_complete(options);
   const Shard shard(options.shard);

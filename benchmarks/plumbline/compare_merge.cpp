@@ -102,7 +102,7 @@ void merge_into(json& all, const json& other, const std::filesystem::path& file)
 }  // namespace
 
 json read_comparison(const std::filesystem::path& file) {
-  const json out = json::parse(plumbline::io::read_text(file), nullptr, false);
+  json out = json::parse(plumbline::io::read_text(file), nullptr, false);
   if (out.is_discarded()) refuse(file, "is not JSON");
   if (!out.is_object() || out.value("format", json()) != "plumbline-compare")
     refuse(file, "is not a comparison that plumbline compare wrote");

@@ -20,7 +20,7 @@ CompareParts::CompareParts(const fs::path& result, const json& machine, std::siz
 
 std::optional<json> CompareParts::find(const CompareJob& job) const {
   if (!fs::is_regular_file(file_of(job))) return std::nullopt;
-  const json part = json::parse(plumbline::io::read_text(file_of(job)), nullptr, false);
+  json part = json::parse(plumbline::io::read_text(file_of(job)), nullptr, false);
   if (!part.is_object() || part.value("key", "") != key_of(job)) return std::nullopt;
   return part;
 }

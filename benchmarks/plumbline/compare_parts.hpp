@@ -1,6 +1,6 @@
 #pragma once
-/// Finished runs of a comparison, each a file named by all that its figures depend on: an interrupted comparison goes on
-/// from there.
+/// Finished runs of a comparison, each a file named by all that its figures depend on: an interrupted comparison goes
+/// on from there.
 
 #include <cstddef>
 #include <filesystem>

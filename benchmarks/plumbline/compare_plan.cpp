@@ -54,7 +54,7 @@ std::string content_of(const fs::path& directory) {
     files[entry.path().string()] = std::to_string(entry.file_size()) + " " + std::to_string(ticks);
   }
   std::string text;
-  for (const auto& [name, state] : files) text += name + " " + state + "\n";
+  for (const auto& [name, state] : files) text.append(name).append(" ").append(state).append("\n");
   return fingerprint(text);
 }
 

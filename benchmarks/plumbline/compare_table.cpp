@@ -93,14 +93,14 @@ std::string legend_of(const json& comparison) {
 
 void print_table(std::ostream& out, const json& comparison) {
   for (const json& dataset : comparison.at("datasets")) {
-    out << format("%s: %zu frames, %.1f s\n  %-32s %-9s %10s %10s %8s %7s %6s\n",
+    out << format("%s: %zu frames, %.1f s\n  %-40s %-9s %10s %10s %8s %7s %6s\n",
                   dataset.at("name").get<std::string>().c_str(), dataset.at("frames").get<std::size_t>(),
                   dataset.at("duration_s").get<double>(), "", "alignment", "ATE median", "worst", "coverage", "failed",
                   "ms");
     for (const json& configuration : comparison.at("configurations")) {
       const Summary summary = summary_of(comparison, configuration, dataset);
       if (summary.runs == 0) continue;
-      out << format("  %-32s %-9s %10s %10s %8s %7s %6s\n", configuration.at("name").get<std::string>().c_str(),
+      out << format("  %-40s %-9s %10s %10s %8s %7s %6s\n", configuration.at("name").get<std::string>().c_str(),
                     summary.alignment.c_str(), metres(summary.median_ate_m()).c_str(),
                     metres(summary.worst_ate_m()).c_str(), percent(summary.lowest_coverage()).c_str(),
                     format("%zu of %zu", summary.failed, summary.runs).c_str(), milliseconds(summary.ms).c_str());
@@ -122,7 +122,7 @@ void print_markdown(std::ostream& out, const json& comparison) {
       const Summary summary = summary_of(comparison, configuration, dataset);
       if (summary.runs > 0) {
         alignment = summary.alignment;
-        cells += " " + metres(summary.median_ate_m()) + ", " + metres(summary.worst_ate_m()) + ", " +
+        cells += " " + metres(summary.median_ate_m()) + ", worst " + metres(summary.worst_ate_m()) + ", " +
                  percent(summary.lowest_coverage()) + ", " + milliseconds(summary.ms) + " ms";
         if (summary.failed > 0) cells += format(", %zu of %zu failed", summary.failed, summary.runs);
       }

@@ -29,7 +29,7 @@ cat table.txt
 expect_text log.txt '^still lacks depth: 1 configuration left out$' '100 %.*left\)$'
 expect_text table.txt '^room: 50 frames' 'rgbd/points/window +se3 +0\.0[0-9]+ m +0\.0[0-9]+ m +100 % +0 of 2' \
   'mono/points/window +sim3 ' 'ATE: .*2 starts.*causal.*Coverage.*cores.*plumbline.*side by side'
-expect_text table.md '^. .rgbd/points/window. . se3 . 0\.0.* m, 0\.0.* m, 100 %, .* ms \| \|$'
+expect_text table.md '^. .rgbd/points/window. . se3 . 0\.0.* m, worst 0\.0.* m, 100 %, .* ms \| \|$'
 grep -q '"format":"plumbline-compare"' all.html || fail "the page is without its data"
 [[ ! -e all.json.parts ]] || fail "parts are left behind"
 if python3 -c 'import jsonschema' 2> /dev/null; then
@@ -116,6 +116,7 @@ expect_error 'too few for 50 repeats' compare "${known[@]}" --repeat 50
 expect_error '--start' compare "${known[@]}" --start -1
 expect_error '--duration' compare "${known[@]}" --duration nan
 expect_error 'nowhere/no.json: cannot be written' compare --config "$config" --dataset room --json nowhere/no.json
+expect_error 'more than one output' compare "${known[@]}" --report ./no.json
 expect_error 'table.txt: is not JSON' compare --merge 1.json table.txt
 expect_error 'again the run of' compare --merge 1.json 1.json
 sed 's/"program":"/&f/' 2.json > built.json
