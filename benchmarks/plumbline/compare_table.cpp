@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,21 @@ std::string text_of_starts(const json& comparison) {
   return most == 1 ? "one start" : format("%zu starts one frame apart", most);
 }
 
+/// Lines of at most 120 columns.
+std::string wrapped(const std::string& text) {
+  std::istringstream words(text);
+  std::string out, word;
+  for (std::size_t column = 0; words >> word; column += word.size() + 1) {
+    if (column + word.size() > 120) {
+      out.back() = '\n';
+      column = 0;
+    }
+    out += word + " ";
+  }
+  out.back() = '\n';
+  return out;
+}
+
 std::string legend_of(const json& comparison) {
   return "ATE: root mean square of the position error after alignment (se3: rigid, posyaw: position and heading, sim3: "
          "with scale), median and worst of " +
@@ -107,7 +123,7 @@ void print_table(std::ostream& out, const json& comparison) {
     }
     out << '\n';
   }
-  out << legend_of(comparison) << '\n';
+  out << wrapped(legend_of(comparison));
 }
 
 void print_markdown(std::ostream& out, const json& comparison) {
@@ -131,5 +147,5 @@ void print_markdown(std::ostream& out, const json& comparison) {
     if (!alignment.empty())
       out << "| `" << configuration.at("name").get<std::string>() << "` | " << alignment << " |" << cells << '\n';
   }
-  out << "\nEach cell: ATE median and worst, coverage, time of a frame. " << legend_of(comparison) << '\n';
+  out << '\n' << wrapped("Each cell: ATE median and worst, coverage, time of a frame. " + legend_of(comparison));
 }

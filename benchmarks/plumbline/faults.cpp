@@ -48,13 +48,13 @@ struct Fault {
   std::function<Spoil(const Interval&)> make;
 };
 
-Spoil of_pictures(const Interval& when, std::function<bool(Picture&)> spoil) {
+Spoil of_pictures(const Interval& when, const std::function<bool(Picture&)>& spoil) {
   return [=](Event& event) {
     Picture* picture = std::get_if<Picture>(&event);
     return picture == nullptr || !when.has(picture->t_ns) || spoil(*picture);
   };
 }
-Spoil of_readings(const Interval& when, std::function<bool(pl::ImuSample&)> spoil) {
+Spoil of_readings(const Interval& when, const std::function<bool(pl::ImuSample&)>& spoil) {
   return [=](Event& event) {
     pl::ImuSample* sample = std::get_if<pl::ImuSample>(&event);
     return sample == nullptr || !when.has(sample->t_ns) || spoil(*sample);
