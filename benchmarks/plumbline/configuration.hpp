@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "plumbline/camera/any_camera.hpp"
+#include "plumbline/feature/collinear.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"

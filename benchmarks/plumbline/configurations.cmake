@@ -9,9 +9,11 @@ set(plumbline_sensors
   "rgbd-imu = pl::Rig<RgbdCamera, pl::Imu>")
 
 set(plumbline_features
-  "points       = pl::Features<pl::Points<400>>"
-  "lines        = LinesAlone<Sensors>"
-  "points+lines = pl::Features<pl::Points<400>, pl::Lines<100>>")
+  "points                 = pl::Features<pl::Points<400>>"
+  "lines                  = LinesAlone<Sensors>"
+  "points+lines           = pl::Features<pl::Points<400>, pl::Lines<100>>"
+  "points+collinear       = pl::Features<pl::Points<400>, pl::Collinear<100>>"
+  "points+lines+collinear = pl::Features<pl::Points<400>, pl::Lines<100>, pl::Collinear<100>>")
 
 set(plumbline_backends
   "window = pl::SlidingWindow<10>"

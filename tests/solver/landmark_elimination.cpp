@@ -263,3 +263,115 @@ TEST_CASE("landmark_elimination: covariance of the landmark, the poses given") {
   REQUIRE(rows.covariance(covariance));
   REQUIRE((covariance * J.transpose() * J - Mat<double, 4, 4>::Identity()).norm() < 1e-12);
 }
+
+namespace {
+
+/// Two landmarks, one of one parameter and one of four, each with rows of its own and tied by two more, in the order
+/// [point | line | poses] of a dense matrix.
+struct Tied {
+  static constexpr int dim = pose_dim * poses, columns = 1 + 4 + dim;
+  LandmarkElimination<double, 1, pose_dim, poses, 32> point;
+  LandmarkElimination<double, 4, pose_dim, poses, 32> line;
+  LandmarkElimination<double, 1, pose_dim, poses, 32>::Pairs pairs;
+  NormalEquations<double, pose_dim, poses> normal;
+  BlockRows<double, 2, pose_dim, poses, 4> tie;
+  std::array<Vec<double, 1>, 2> tie_by_point;
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(0, columns);
+  Eigen::VectorXd r;
+
+  explicit Tied(std::uint64_t seed) {
+    Random random(seed);
+    for (int a = 0; a < poses; ++a) {
+      for (int j = 0; j < poses; ++j) {
+        if (a != j) pairs.set_transport(a, j, random_matrix<double, pose_dim, pose_dim>(random));
+      }
+    }
+    pairs.reset();
+    point.reset(0);
+    line.reset(2);
+    for (const int j : {1, 3}) add<1>(random, point, 0, 0, j);
+    for (const int j : {0, 1, 4}) add<4>(random, line, 1, 2, j);
+    point.add_to(pairs);
+    line.add_to(pairs);
+    const Mat<double, 2, columns> rows = random_matrix<double, 2, columns>(random);
+    const Vec<double, 2> residual = random_matrix<double, 2, 1>(random);
+    append(rows, residual);
+    tie.touched.reset();
+    for (int k = 0; k < 2; ++k) {
+      tie_by_point[k][0] = rows(k, 0);
+      for (int c = 0; c < 4; ++c) tie.J_other[k][c] = rows(k, 1 + c);
+      tie.r[k] = residual[k];
+      for (const int j : {0, 2}) {  // the point's anchor and the line's
+        tie.touched[j] = true;
+        tie.J[j][k] = rows.block<1, pose_dim>(k, 5 + j * pose_dim).transpose();
+      }
+    }
+    for (const int j : {1, 3, 4}) J.bottomRows(2).middleCols(5 + j * pose_dim, pose_dim).setZero();
+  }
+
+  template <int L, class Elimination>
+  void add(Random& random, Elimination& landmark, int column, int anchor, int j) {
+    const Mat<double, 2, pose_dim> J_j = random_matrix<double, 2, pose_dim>(random);
+    const Mat<double, 2, L> J_l = random_matrix<double, 2, L>(random);
+    const Vec<double, 2> residual = random_matrix<double, 2, 1>(random);
+    REQUIRE(landmark.template add<2>(j, J_j, J_l, residual));
+    Mat<double, 2, columns> rows = Mat<double, 2, columns>::Zero();
+    rows.template middleCols<L>(column) = J_l;
+    rows.template middleCols<pose_dim>(5 + j * pose_dim) = J_j;
+    rows.template middleCols<pose_dim>(5 + anchor * pose_dim) = -J_j * pairs.transport(anchor, j);
+    append(rows, residual);
+  }
+  void append(const Mat<double, 2, columns>& rows, const Vec<double, 2>& residual) {
+    J.conservativeResize(J.rows() + 2, Eigen::NoChange);
+    r.conservativeResize(r.size() + 2);
+    J.bottomRows<2>() = rows;
+    r.tail<2>() = residual;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("landmark_elimination: rows that tie a landmark to another one") {
+  for (std::uint64_t seed = 1; seed < 20; ++seed) {
+    for (const double mu : {0.0, 0.3}) {
+      Tied tied(seed);
+      tied.normal.reset(poses);
+      for (int i = 0; i < poses; ++i) {
+        tied.normal.add_block(i, i, Mat<double, pose_dim, pose_dim>(0.25 * Mat<double, pose_dim, pose_dim>::Identity()));
+      }
+      REQUIRE(tied.point.eliminate(mu, tied.pairs));
+      REQUIRE(tied.line.eliminate(mu, tied.pairs));
+      tied.pairs.add_to(tied.normal);
+      tied.point.subtract_from(tied.normal);
+      tied.line.subtract_from(tied.normal);
+      const Mat<double, 1, 4> B = tied.point.absorb(tied.tie_by_point, tied.tie);
+      std::array<Vec<double, 4>, 2> by_line = tied.tie.J_other;
+      BlockRows<double, 2, pose_dim, poses, 1> left{tied.tie.touched, tied.tie.J, {}, tied.tie.r};
+      for (auto& none : left.J_other) none.setZero();
+      tied.line.absorb(by_line, left);
+      left.add_to(tied.normal);
+
+      // The landmarks are damped by the diagonal of their own rows, without the tie.
+      Eigen::MatrixXd H = tied.J.transpose() * tied.J;
+      Eigen::VectorXd damping = Eigen::VectorXd::Zero(Tied::columns);
+      damping.head(5) = mu * tied.J.topRows(tied.J.rows() - 2).leftCols(5).colwise().squaredNorm().transpose();
+      damping.tail(Tied::dim) = mu * tied.normal.H().diagonal();
+      H.diagonal().tail(Tied::dim).array() += 0.25;
+      const Eigen::VectorXd b = tied.J.transpose() * tied.r;
+      Eigen::MatrixXd damped = H;
+      damped.diagonal() += damping;
+      const Eigen::VectorXd expected = -(damped.inverse() * b), H_expected = H * expected;
+
+      NormalEquations<double, pose_dim, poses>::Vector d;
+      REQUIRE(tied.normal.solve(mu, d));
+      REQUIRE((d - expected.tail(Tied::dim)).norm() < 1e-9 * expected.norm());
+      const Vec<double, 4> d_line = tied.line.back_substitute(d);
+      REQUIRE((d_line - expected.segment<4>(1)).norm() < 1e-9 * expected.norm());
+      const Vec<double, 1> d_point = tied.point.back_substitute(d, pose_dim, Vec<double, 1>(B * d_line));
+      REQUIRE(std::abs(d_point[0] - expected[0]) < 1e-9 * expected.norm());
+      const double predicted = tied.normal.predicted_decrease(mu, d) + tied.line.predicted_decrease(d_line) +
+                               tied.point.predicted_decrease(d_point);
+      REQUIRE(predicted == Approx(-expected.dot(b) - expected.dot(H_expected) / 2).epsilon(1e-9));
+    }
+  }
+}

@@ -16,6 +16,7 @@
 #include "plumbline/backend/window_equations.hpp"
 #include "plumbline/backend/window_prior.hpp"
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/feature/landmark_ties.hpp"
 #include "plumbline/feature/window_terms.hpp"
 #include "plumbline/feature/window_views.hpp"
 #include "plumbline/frontend/flow.hpp"
@@ -143,9 +144,16 @@ class WindowBackend {
     if (links_.active()) links_.follow_biases(window_);
     equations_.order(window_);
     Problem problem{*this, rig, landmarks, T_body_cam};
+    views_.update(window_, T_body_cam);
+    ties_.for_each(landmarks, terms_,
+                   [&](auto& ties, auto& lines, auto& points, auto&, auto&) { ties.choose(lines, points, views_); });
     const LevenbergMarquardtSummary summary = levenberg_marquardt(problem, solver);
     views_.update(window_, T_body_cam);
+    ties_.for_each(landmarks, terms_,
+                   [&](auto& ties, auto& lines, auto& points, auto&, auto&) { ties.finish(lines, points, views_); });
     landmarks.for_each_with(terms_, [&](auto& store, auto& terms) { terms.finish(rig, store, window_, views_); });
+    ties_.for_each(landmarks, terms_,
+                   [&](auto& ties, auto& lines, auto& points, auto&, auto&) { ties.choose(lines, points, views_); });
     // For the covariance: here, not a step before, and what damped the landmarks is no knowledge.
     problem.linearize();
     problem.eliminate(solver.mu_min);
@@ -206,6 +214,9 @@ class WindowBackend {
       landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
         cost += terms.linearize(rig, store, self.window_, self.views_, self.equations_.pairs);
       });
+      self.ties_.for_each(landmarks, self.terms_, [&](auto& ties, auto& lines, auto& points, auto&, auto&) {
+        cost += ties.linearize(lines, points, self.views_);
+      });
       return cost;
     }
 
@@ -217,6 +228,12 @@ class WindowBackend {
       landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
         eliminated = eliminated && terms.eliminate(store, S(mu), self.equations_.pairs, self.equations_.normal);
       });
+      self.ties_.for_each(landmarks, self.terms_,
+                          [&](auto& ties, auto& lines, auto& points, auto& line_terms, auto& point_terms) {
+                            if (!eliminated) return;
+                            ties.eliminate(lines, line_terms, points, point_terms, self.equations_.pairs,
+                                           self.equations_.normal);
+                          });
       return eliminated;
     }
 
@@ -226,6 +243,10 @@ class WindowBackend {
       landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
         predicted_decrease += terms.solve(store, self.equations_.step, Layout::dim);
       });
+      self.ties_.for_each(
+          landmarks, self.terms_, [&](auto& ties, auto&, auto&, auto& line_terms, auto& point_terms) {
+            predicted_decrease += ties.solve(line_terms, point_terms, self.equations_.step, Layout::dim);
+          });
       return true;
     }
 
@@ -242,6 +263,9 @@ class WindowBackend {
       double cost = self.cost_of_frames();
       landmarks.for_each_with(
           self.terms_, [&](auto& store, auto& terms) { cost += terms.cost(rig, store, self.window_, self.views_); });
+      self.ties_.for_each(landmarks, self.terms_, [&](auto& ties, auto& lines, auto& points, auto&, auto&) {
+        cost += ties.cost(lines, points, self.views_);
+      });
       return cost;
     }
 
@@ -277,6 +301,7 @@ class WindowBackend {
   PriorOfAll prior_;
   WindowEquations<Window> equations_;
   AllTerms terms_;
+  [[no_unique_address]] LandmarkTies<Landmarks> ties_;
 };
 
 /// K frames; FrontEndPolicy finds their landmarks.

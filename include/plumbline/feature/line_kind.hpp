@@ -31,16 +31,17 @@
 
 namespace plumbline {
 
-template <SensorRig SensorsT, template <class> class Loss = Huber>
+template <SensorRig SensorsT, template <class> class Loss = Huber,
+          class ObservationT = SegmentObservation<typename SensorsT::Scalar, SensorsT::has_depth, SensorsT::rolls>>
 struct LineKind {
   using Sensors = SensorsT;
   using Scalar = typename Sensors::Scalar;
   using S = Scalar;
-  using Observation = SegmentObservation<S, Sensors::has_depth, Sensors::rolls>;
+  using Observation = ObservationT;
   using Place = LineSegment;  ///< in the image [px]
   using Geometry = LineGeometry<S>;
   static constexpr int dim = 4;
-  static constexpr int rows_per_view = Sensors::has_depth ? 4 : 2, damping_rows = dim;
+  static constexpr int rows_per_view = Observation::measures_depth ? 4 : 2, damping_rows = dim;
   static_assert(RobustLoss<Loss<S>>, "plumbline: this is no robust kernel, see solver/robust_loss.hpp");
   static constexpr Loss<S> pixel_loss = loss_for<Loss, S, 2>, depth_loss = pixel_loss;
 
@@ -172,9 +173,9 @@ struct LineKind {
     return double(r.norm()) / std::sqrt(2.0);
   }
 
-  static constexpr int depth_dim = 2;
+  static constexpr int depth_dim = Observation::measures_depth ? 2 : 0;
   static bool has_depth(const InWorld& line) { return line.seen.has_depth(); }
-  static WhitenedRows<S, depth_dim, Motion> depth_rows(const BodyView<S>& view, const InWorld& line) {
+  static WhitenedRows<S, 2, Motion> depth_rows(const BodyView<S>& view, const InWorld& line) {
     const auto& depth = line.seen.depth.get();
     const auto lin = WorldLine<LineInverseDepth<S>>{depth.measured}.linearize(view, line.line);
     if (!lin.valid) return {};

@@ -42,11 +42,20 @@ struct SegmentMeasurement {
   }
 };
 
-template <class S, bool depth_is_measured, bool rolls>
-struct SegmentObservation {
+/// Of edges that are followed by their looks.
+template <bool has_profile>
+struct SeenProfile {
+  LineProfile profile;  ///< its appearance in the image
+};
+template <>
+struct SeenProfile<false> {};
+
+template <class S, bool depth_is_measured, bool rolls_, bool has_profile = true>
+struct SegmentObservation : SeenProfile<has_profile> {
+  static constexpr bool measures_depth = depth_is_measured, rolls = rolls_;
+
   bool valid = false;
   LineSegment segment;                             ///< in the image
-  LineProfile profile;                             ///< its appearance there
   SegmentMeasurement<LineReprojection<S>> pixels;  ///< in the middle of the frame, see RollingShutter [px]
   [[no_unique_address]] Present<Mat<S, 3, 2>, rolls> bearing_slope;  ///< d bearing/d readout of start and end [1/s]
   [[no_unique_address]] Present<SegmentMeasurement<LineInverseDepth<S>>, depth_is_measured> depth;  ///< [1/m]

@@ -67,6 +67,21 @@ class WindowTerms {
     return predicted;
   }
 
+  // Of landmarks that others are tied to, or that are tied themselves (feature/collinear_terms.hpp).
+
+  Elimination& elimination(int index) { return eliminations_[static_cast<std::size_t>(index)]; }
+  const Vec<S, Kind::dim>& step_of(int index) const { return steps_[static_cast<std::size_t>(index)]; }
+  /// The step once more, of rows that know the step of another landmark, `by_other`; returns what that changes of the
+  /// predicted decrease.
+  template <class Vector>
+  double solve_again(int index, const Vector& d, int stride, const Vec<double, Kind::dim>& by_other) {
+    const Elimination& landmark = elimination(index);
+    Vec<S, Kind::dim>& step = steps_[static_cast<std::size_t>(index)];
+    const double before = landmark.predicted_decrease(step);
+    step = landmark.back_substitute(d, stride, by_other);
+    return landmark.predicted_decrease(step) - before;
+  }
+
   /// Makes those steps; `restore` takes them back.
   void step(Store& store) {
     for (std::size_t i = 0; i < store.landmarks().size(); ++i) {

@@ -17,6 +17,7 @@
 #include "plumbline/feature/line_kind.hpp"
 #include "plumbline/feature/view.hpp"
 #include "plumbline/frontend/line_location.hpp"
+#include "plumbline/frontend/segment_measurement.hpp"
 #include "plumbline/frontend/visible_segment.hpp"
 #include "plumbline/sensor/line_depth_measurement.hpp"
 #include "plumbline/tracking/edge_map.hpp"
@@ -159,24 +160,10 @@ class EdgeFollowing {
   void observe(const View<Sensors>& view, const TrackedLine& tracked, Observation& out) const {
     out.valid = false;
     if (!tracked.valid) return;
-    const Vec<S, 2> start = tracked.segment.start.template cast<S>(), end = tracked.segment.end.template cast<S>();
-    const LineObservation<S> seen =
-        observe_line(view.camera(), view.shutter.still(start).uv, view.shutter.still(end).uv);
-    if (!seen.valid) return;
     const float peaks = std::max(1.0f, tracked.support * tracked.segment.length() / options_.peak_spacing_px);
-    const SegmentMeasurement<LineReprojection<S>> pixels(
-        seen.reprojection, endpoint_covariance(options_.sigma_px, tracked.rms_px, peaks).template cast<S>());
-    out.valid = pixels.valid;
+    measure_segment(view, tracked.segment, endpoint_covariance(options_.sigma_px, tracked.rms_px, peaks), out);
     if (!out.valid) return;
-    out.pixels = pixels;
-    out.segment = tracked.segment;
     out.profile = tracked.profile;
-    if constexpr (Sensors::rolls) {
-      Mat<S, 3, 2> slope;
-      slope << view.shutter.bearing_slope(start, seen.reprojection.bearing_start),
-          view.shutter.bearing_slope(end, seen.reprojection.bearing_end);
-      out.bearing_slope.set(slope);
-    }
     out.forget_depth();
     if constexpr (Sensors::has_depth) {
       const LineDepth<S> depth = measure_line_depth(view.camera(), view.rig.vision.depth, view.depth,

@@ -1,10 +1,12 @@
 #pragma once
-/// Front-end policy: points by optical flow, lines by their edges; a kind of one's own by the front end that it brings
+/// Front-end policy: points by optical flow, lines by their edges or by the points on them; a kind of one's own by the front end that it brings
 /// (`template <class Store> using FrontEnd`).
 
+#include "plumbline/feature/collinear.hpp"
 #include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"
 #include "plumbline/feature/start_points.hpp"
+#include "plumbline/frontend/collinear_segments.hpp"
 #include "plumbline/frontend/edge_following.hpp"
 #include "plumbline/frontend/point_flow.hpp"
 #include "plumbline/frontend/start_flow.hpp"
@@ -27,6 +29,10 @@ struct FlowOf<StartPoints<N, Loss>, Store> {
 template <int N, class Detector, template <class> class Loss, class Store>
 struct FlowOf<Lines<N, Detector, Loss>, Store> {
   using Type = EdgeFollowing<Store, Detector>;
+};
+template <int N, class Detector, template <class> class Loss, class Store>
+struct FlowOf<Collinear<N, Detector, Loss>, Store> {
+  using Type = CollinearSegments<Store, Detector>;
 };
 }  // namespace detail
 

@@ -13,8 +13,13 @@
 /// Rows are kept as S, the arithmetic is that of Acc. Blocks of the normal equations may be larger than BlockDim: the
 /// rows then belong to their leading parameters.
 ///
-/// Per iteration: reset, add ..., add_to the pairs, then for each mu: eliminate, subtract_from, (solve),
+/// Per iteration: reset, add ..., add_to the pairs, then for each mu: eliminate, subtract_from, (absorb), (solve),
 /// back_substitute.
+///
+/// Rows that tie the landmark to a second one wait until it is eliminated. One more reflection with its triangle takes
+/// it out of them: what is left belongs to the blocks and to the second landmark, which absorbs them in turn.
+///   [ R1  A  0   | c ]        [ R1'  A'   B  | c'  ]
+///   [ J_l J_p J_o | r ]   ->  [  0   J_p' J_o' | r' ]                                                        (13)
 
 #include <algorithm>
 #include <array>
@@ -24,6 +29,7 @@
 
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/solver/block_rows.hpp"
 #include "plumbline/solver/householder.hpp"
 #include "plumbline/solver/normal_equations.hpp"
 #include "plumbline/solver/relative_equations.hpp"
@@ -128,10 +134,51 @@ class LandmarkElimination {
     }
   }
 
+  /// (13), after `subtract_from`: J_l by this landmark of `rows`, which keep what is left of them. Returns B.
+  template <std::size_t R, int OtherDim>
+  Mat<Acc, LandmarkDim, OtherDim> absorb(std::array<Vec<Acc, LandmarkDim>, R> J_l,
+                                         BlockRows<Acc, R, BlockDim, MaxBlocks, OtherDim>& rows) {
+    for (int j = 0; j < MaxBlocks; ++j) {
+      if (touched_[j] && !rows.touched[j]) set_zero(rows.J[j]);
+      if (rows.touched[j] && !touched_[j]) set_zero(A_[j]);
+    }
+    touched_ |= rows.touched;
+    rows.touched = touched_;
+    std::array<Vec<Acc, OtherDim>, LandmarkDim> B;
+    for (Vec<Acc, OtherDim>& row : B) row.setZero();
+    for (int k = 0; k < LandmarkDim; ++k) {
+      const Acc pivot = R1_[k][k];
+      Acc tail_squared = Acc(0);
+      for (std::size_t i = 0; i < R; ++i) tail_squared += J_l[i][k] * J_l[i][k];
+      if (!(tail_squared > Acc(0))) continue;
+      const Acc norm = std::sqrt(pivot * pivot + tail_squared), beta = pivot > 0 ? -norm : norm;
+      const Acc tau = (beta - pivot) / beta, scale = Acc(1) / (pivot - beta);
+      std::array<Acc, R> v;
+      for (std::size_t i = 0; i < R; ++i) v[i] = scale * J_l[i][k];
+      reflect(tau, v, R1_[k], J_l);
+      reflect(tau, v, c_[k], rows.r);
+      reflect(tau, v, B[k], rows.J_other);
+      for (int j = 0; j < MaxBlocks; ++j) {
+        if (touched_[j]) reflect(tau, v, A_[j][k], rows.J[j]);
+      }
+    }
+    Mat<Acc, LandmarkDim, OtherDim> out;
+    for (int k = 0; k < LandmarkDim; ++k) {
+      for (int c = 0; c < OtherDim; ++c) out(k, c) = B[k][c];
+    }
+    return out;
+  }
+
   /// (12), for the poses' step d; `stride` is the block_dim of the normal equations.
   template <class D>
   Vec<S, LandmarkDim> back_substitute(const Eigen::MatrixBase<D>& d, int stride = BlockDim) const {
-    Column rhs = c_;
+    return back_substitute(d, stride, Vec<Acc, LandmarkDim>::Zero());
+  }
+  /// The same of a landmark that absorbed rows: `by_other` is B of (13) times the step of the other one.
+  template <class D>
+  Vec<S, LandmarkDim> back_substitute(const Eigen::MatrixBase<D>& d, int stride,
+                                      const Vec<Acc, LandmarkDim>& by_other) const {
+    Column rhs = c_ + by_other;
     for (int j = 0; j < MaxBlocks; ++j) {
       if (!touched_[j]) continue;
       for (int l = 0; l < LandmarkDim; ++l) {
@@ -227,8 +274,18 @@ class LandmarkElimination {
     return std::isfinite(sum);
   }
 
-  static void set_zero(Strip& A) {
+  template <std::size_t R>
+  static void set_zero(std::array<Vec<Acc, BlockDim>, R>& A) {
     for (Vec<Acc, BlockDim>& row : A) row.setZero();
+  }
+  /// One column, or some of them side by side, by the reflection I - tau [1; v] [1; v]^T.
+  template <class T, std::size_t R>
+  static void reflect(Acc tau, const std::array<Acc, R>& v, T& first, std::array<T, R>& rows) {
+    T w = first;
+    for (std::size_t i = 0; i < R; ++i) w += v[i] * rows[i];
+    w *= tau;
+    first -= w;
+    for (std::size_t i = 0; i < R; ++i) rows[i] -= v[i] * w;
   }
   /// A += sum_k q_k j_k^T
   template <int R>

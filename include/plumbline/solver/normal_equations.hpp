@@ -112,14 +112,12 @@ class NormalEquations {
   /// H_ij -= sum_k a_k b_k^T, i >= j, for few rows.
   template <std::size_t R, int C>
   void subtract_product(int i, const std::array<Vec<S, C>, R>& a, int j, const std::array<Vec<S, C>, R>& b) {
-    const int stride = dim();
-    S* column = block_at(i, j);
-    for (int d = 0; d < C; ++d, column += stride) {
-      Vec<S, C> sum = b[0][d] * a[0];
-      for (std::size_t k = 1; k < R; ++k) sum += b[k][d] * a[k];
-      Eigen::Map<Vec<S, C>> out(column);
-      out -= sum;
-    }
+    add_products(i, a, j, b, [](auto& out, const Vec<S, C>& sum) { out -= sum; });
+  }
+  /// The same with the other sign.
+  template <std::size_t R, int C>
+  void add_product(int i, const std::array<Vec<S, C>, R>& a, int j, const std::array<Vec<S, C>, R>& b) {
+    add_products(i, a, j, b, [](auto& out, const Vec<S, C>& sum) { out += sum; });
   }
 
   /// The step (7). False, and d undefined, when the damped H is not positive definite or anything is not finite.
@@ -195,6 +193,18 @@ class NormalEquations {
     PLUMBLINE_ASSERT(i >= j && j >= 0 && i < blocks_);
     return H_.data() + j * BlockDim * dim() + i * BlockDim;
   }
+  template <std::size_t R, int C>
+  void add_products(int i, const std::array<Vec<S, C>, R>& a, int j, const std::array<Vec<S, C>, R>& b, auto&& write) {
+    const int stride = dim();
+    S* column = block_at(i, j);
+    for (int d = 0; d < C; ++d, column += stride) {
+      Vec<S, C> sum = b[0][d] * a[0];
+      for (std::size_t k = 1; k < R; ++k) sum += b[k][d] * a[k];
+      Eigen::Map<Vec<S, C>> out(column);
+      write(out, sum);
+    }
+  }
+
   /// y += s x
   template <int C>
   static void add_scaled(S s, const S* x, S* y) {

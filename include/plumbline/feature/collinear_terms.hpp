@@ -1,0 +1,170 @@
+#pragma once
+/// What ties the points of one store to the lines of another in a window: r of residual/collinear_point.hpp for every
+/// point on a line that both take part, eliminated with the point, then with the line.
+///                                                                    docs/math/collinear.md, docs/math/solver.md (13)
+/// A point counts for one line, the nearer of two at a corner. Which one is settled before an optimization.
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "plumbline/core/fixed_vector.hpp"
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/feature/collinear_kind.hpp"
+#include "plumbline/feature/window_terms.hpp"
+#include "plumbline/residual/collinear_point.hpp"
+#include "plumbline/solver/block_rows.hpp"
+
+namespace plumbline {
+
+template <class LineStore, class PointStore>
+class CollinearTerms {
+ public:
+  using Kind = typename LineStore::Kind;
+  using S = typename Kind::S;
+  using LineTerms = WindowTerms<LineStore>;
+  using PointTerms = WindowTerms<PointStore>;
+  using Views = typename LineTerms::Views;
+
+  /// Which line holds which point.
+  void choose(LineStore& lines, const PointStore& points, const Views& views) {
+    ties_.clear();
+    of_point_.fill(none);
+    for (std::size_t i = 0; i < lines.landmarks().size(); ++i) {
+      auto& line = lines.landmarks()[i];
+      if (!line.takes_part()) continue;
+      for (auto& member : line.appearance.points) {
+        const int p = index_of(points, member);
+        if (p < 0 || !points.landmarks()[p].takes_part()) continue;
+        const S error = whitened(line, points.landmarks()[p], views).squaredNorm();
+        if (!(error < max_error * max_error)) continue;
+        int& tie = of_point_[static_cast<std::size_t>(p)];
+        if (tie == none) {
+          tie = static_cast<int>(ties_.size());
+          ties_.push_back({static_cast<int>(i), p, error, {}, Vec<double, line_dim>::Zero()});
+        } else if (error < ties_[tie].error) {
+          ties_[tie].line = static_cast<int>(i);
+          ties_[tie].error = error;
+        }
+      }
+    }
+  }
+
+  /// The rows at the current state; returns their cost.
+  double linearize(const LineStore& lines, const PointStore& points, const Views& views) {
+    double cost = 0;
+    for (Tie& tie : ties_) {
+      const auto &line = lines.landmarks()[tie.line], &point = points.landmarks()[tie.point];
+      auto& lin = tie.rows;
+      lin = line.anchor == point.anchor
+                ? CollinearPoint<S>::linearize(line.geometry.line, point.geometry.bearing, point.geometry.inverse_range)
+                : CollinearPoint<S>::linearize(views(point.anchor, line.anchor), line.geometry.line,
+                                               point.geometry.bearing, point.geometry.inverse_range);
+      lin.r /= Kind::tolerance;
+      const S squared = lin.r.squaredNorm(), w = std::sqrt(Kind::point_loss.weight(squared));
+      cost += double(Kind::point_loss.rho(squared)) / 2;
+      lin.r *= w;
+      lin.J_r_target *= w / Kind::tolerance;
+      lin.J_r_lambda *= w / Kind::tolerance;
+      lin.J_r_line *= w / Kind::tolerance;
+    }
+    return cost;
+  }
+
+  double cost(const LineStore& lines, const PointStore& points, const Views& views) const {
+    double sum = 0;
+    for (const Tie& tie : ties_) {
+      sum += double(Kind::point_loss.rho(
+          whitened(lines.landmarks()[tie.line], points.landmarks()[tie.point], views).squaredNorm()));
+    }
+    return sum / 2;
+  }
+
+  /// Both landmarks of every tie were eliminated from their own rows: takes them out of these, and gives `normal` what
+  /// is left.
+  template <class Normal>
+  void eliminate(const LineStore& lines, LineTerms& line_terms, const PointStore& points, PointTerms& point_terms,
+                 const typename LineTerms::Pairs& pairs, Normal& normal) {
+    for (Tie& tie : ties_) {
+      auto& of_line = line_terms.elimination(tie.line);
+      auto& of_point = point_terms.elimination(tie.point);
+      const int line_anchor = lines.landmarks()[tie.line].anchor, point_anchor = points.landmarks()[tie.point].anchor;
+      Rows<line_dim> rows;
+      rows.touched.reset();
+      std::array<Vec<double, 1>, 2> by_point;
+      for (std::size_t k = 0; k < 2; ++k) {
+        rows.r[k] = double(tie.rows.r[k]);
+        by_point[k][0] = double(tie.rows.J_r_lambda[k]);
+        for (int c = 0; c < line_dim; ++c) rows.J_other[k][c] = double(tie.rows.J_r_line(k, c));
+        if (line_anchor == point_anchor) continue;
+        const auto& transport = pairs.transport(point_anchor, line_anchor);
+        for (int c = 0; c < pose_dim; ++c) rows.J[line_anchor][k][c] = double(tie.rows.J_r_target(k, c));
+        rows.J[point_anchor][k].noalias() = -transport.transpose() * rows.J[line_anchor][k];
+        rows.touched[line_anchor] = rows.touched[point_anchor] = true;
+      }
+      tie.by_line = of_point.absorb(by_point, rows).transpose();
+      Rows<1> left{rows.touched, rows.J, {}, rows.r};
+      for (auto& nothing : left.J_other) nothing.setZero();
+      of_line.absorb(rows.J_other, left);
+      left.add_to(normal);
+    }
+  }
+
+  /// The steps of the points, whose lines' are known; returns what that changes of the predicted decrease.
+  template <class Vector>
+  double solve(const LineTerms& line_terms, PointTerms& point_terms, const Vector& d, int stride) {
+    double change = 0;
+    for (const Tie& tie : ties_) {
+      const Vec<S, line_dim>& d_line = line_terms.step_of(tie.line);
+      Vec<double, 1> by_line = Vec<double, 1>::Zero();
+      for (int c = 0; c < line_dim; ++c) by_line[0] += tie.by_line[c] * double(d_line[c]);
+      change += point_terms.solve_again(tie.point, d, stride, by_line);
+    }
+    return change;
+  }
+
+  /// After convergence: a point that is beside its line three times in a row is on it no more.
+  void finish(LineStore& lines, const PointStore& points, const Views& views) {
+    for (auto& line : lines.landmarks()) {
+      if (!line.takes_part()) continue;
+      auto& members = line.appearance.points;
+      for (std::size_t k = members.size(); k-- > 0;) {
+        const int p = index_of(points, members[k]);
+        if (p < 0 || !points.landmarks()[p].takes_part()) continue;
+        const bool fits = whitened(line, points.landmarks()[p], views).norm() < S(3);
+        members[k].misfits = fits ? 0 : members[k].misfits + 1;
+        if (members[k].misfits >= max_misfits) members.swap_remove(k);
+      }
+    }
+  }
+
+ private:
+  static constexpr int none = -1, line_dim = Kind::dim, pose_dim = state::Pose::dim;
+  static constexpr S max_error = S(30);  ///< whitened: beyond it a point is not tied at all
+  static constexpr int max_misfits = 3;
+
+  template <int OtherDim>
+  using Rows = BlockRows<double, 2, pose_dim, LineStore::slots, OtherDim>;
+
+  struct Tie {
+    int line, point;  ///< where they are in their stores
+    S error;          ///< squared, when it was chosen
+    typename CollinearPoint<S>::Linearized rows;
+    Vec<double, line_dim> by_line;  ///< B of (13)
+  };
+
+  /// r of (3) over its tolerance.
+  static Vec<S, 2> whitened(const auto& line, const auto& point, const Views& views) {
+    const auto& at = point.geometry;
+    const Vec<S, 3> P = line.anchor == point.anchor
+                            ? at.bearing
+                            : views(point.anchor, line.anchor).scaled_point(at.bearing, at.inverse_range);
+    return CollinearPoint<S>::residual(line.geometry.line, P, at.inverse_range) / Kind::tolerance;
+  }
+
+  FixedVector<Tie, PointStore::capacity> ties_;
+  std::array<int, PointStore::capacity> of_point_;  ///< its tie
+};
+
+}  // namespace plumbline

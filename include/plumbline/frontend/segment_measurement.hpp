@@ -1,0 +1,35 @@
+#pragma once
+/// A segment of the image as an observation: rays through its ends, and how sure they are across it.
+///                                                                                            docs/math/line.md
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/feature/segment_observation.hpp"
+#include "plumbline/feature/view.hpp"
+#include "plumbline/residual/line_observation.hpp"
+#include "plumbline/tracking/line_segment.hpp"
+
+namespace plumbline {
+
+/// `covariance` of the distances of both ends across the segment [px^2]. Not valid where the camera sees no rays.
+template <SensorRig Sensors, class Observation>
+void measure_segment(const View<Sensors>& view, const LineSegment& segment, const Mat<float, 2, 2>& covariance,
+                     Observation& out) {
+  using S = typename Sensors::Scalar;
+  out.valid = false;
+  const Vec<S, 2> start = segment.start.template cast<S>(), end = segment.end.template cast<S>();
+  const LineObservation<S> seen = observe_line(view.camera(), view.shutter.still(start).uv, view.shutter.still(end).uv);
+  if (!seen.valid) return;
+  const SegmentMeasurement<LineReprojection<S>> pixels(seen.reprojection, covariance.template cast<S>());
+  out.valid = pixels.valid;
+  if (!out.valid) return;
+  out.pixels = pixels;
+  out.segment = segment;
+  if constexpr (Sensors::rolls) {
+    Mat<S, 3, 2> slope;
+    slope << view.shutter.bearing_slope(start, seen.reprojection.bearing_start),
+        view.shutter.bearing_slope(end, seen.reprojection.bearing_end);
+    out.bearing_slope.set(slope);
+  }
+}
+
+}  // namespace plumbline
