@@ -77,18 +77,17 @@ nlohmann::json json_of_truth(const io::Recording& recording, const std::vector<p
 CompareDataset open_dataset(const fs::path& given, const CompareOptions& options) {
   const fs::path directory = fs::weakly_canonical(given);
   const io::Recording recording = io::Recording::open(directory);
-  CompareDataset out{directory, directory.filename().string(), recording.has_depth(), recording.has_imu(), {}, 0, {},
-                     {}};
-  const pl::TimeNs first_ns = recording.frames().front().t_ns;
+  const pl::TimeNs begin_ns = recording.frames().front().t_ns;
+  CompareDataset out{
+      directory, directory.filename().string(), recording.has_depth(), recording.has_imu(), begin_ns, {}, {}, {}};
   for (const io::FrameSample& frame : recording.frames()) {
-    const double t_s = pl::seconds_between(first_ns, frame.t_ns);
+    const double t_s = pl::seconds_between(begin_ns, frame.t_ns);
     if (t_s >= options.start_s && t_s <= options.start_s + options.duration_s) out.frames.push_back(frame.t_ns);
   }
   if (out.frames.size() <= options.repeats)
     throw std::runtime_error(format("%s: %zu frames in the part asked for, too few for %zu repeats", given.c_str(),
                                     out.frames.size(), options.repeats));
   if (!recording.groundtruth()) throw std::runtime_error(given.string() + " has no true trajectory to compare with");
-  out.first_s = pl::seconds_between(first_ns, out.frames.front());
   out.content = content_of(directory);
   const double duration_s = pl::seconds_between(out.frames.front(), out.frames.back());
   const io::CameraCalibration& camera = recording.calibration().camera;
@@ -114,6 +113,13 @@ std::string lacks(const Configuration& configuration, const CompareDataset& data
 [[noreturn]] void throw_unserved(const Configuration& configuration, const std::vector<CompareDataset>& datasets) {
   throw std::runtime_error(std::string(configuration.name) + " can run on none of the recordings: " +
                            datasets.front().name + " lacks " + lacks(configuration, datasets.front()));
+}
+
+CompareJob job_of(const Configuration& configuration, const CompareDataset& dataset, std::size_t repeat) {
+  constexpr double margin_s = 1e-6;  // the last frame is in, whatever is rounded
+  const pl::TimeNs first_ns = dataset.frames[repeat];
+  return {&configuration, &dataset, repeat, pl::seconds_between(dataset.begin_ns, first_ns),
+          pl::seconds_between(first_ns, dataset.frames.back()) + margin_s};
 }
 
 void check(const CompareOptions& options) {
@@ -155,10 +161,8 @@ ComparePlan::ComparePlan(const CompareOptions& options) : configurations(configu
   for (const Configuration* configuration : configurations) {
     for (const CompareDataset& dataset : datasets) {
       if (!lacks(*configuration, dataset).empty()) continue;
-      for (std::size_t repeat = 0; repeat < options.repeats; ++repeat) {
-        const double begin_s = dataset.first_s + pl::seconds_between(dataset.frames.front(), dataset.frames[repeat]);
-        jobs.push_back({configuration, &dataset, repeat, begin_s, options.start_s + options.duration_s - begin_s});
-      }
+      for (std::size_t repeat = 0; repeat < options.repeats; ++repeat)
+        jobs.push_back(job_of(*configuration, dataset, repeat));
     }
   }
   if (jobs.empty()) throw_unserved(*configurations.front(), datasets);

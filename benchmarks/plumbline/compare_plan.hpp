@@ -14,12 +14,12 @@
 
 struct CompareDataset {
   std::filesystem::path directory;
-  std::string name;         ///< of the folder
-  bool has_depth, has_imu;  ///< that can be used
-  std::vector<plumbline::TimeNs> frames;
-  double first_s;       ///< of these frames, after the recording's first
-  std::string content;  ///< changes when a file of the recording does
-  nlohmann::json json;  ///< as docs/compare.schema.json has it
+  std::string name;                       ///< of the folder
+  bool has_depth, has_imu;                ///< that can be used
+  plumbline::TimeNs begin_ns;             ///< of the whole recording
+  std::vector<plumbline::TimeNs> frames;  ///< of the part that is asked for
+  std::string content;                    ///< changes when a file of the recording does
+  nlohmann::json json;                    ///< as docs/compare.schema.json has it
 };
 
 struct CompareJob {

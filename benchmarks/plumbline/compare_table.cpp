@@ -55,11 +55,12 @@ std::string percent(double share) { return format("%.0f %%", std::floor(100 * sh
 std::string milliseconds(const std::vector<double>& ms) { return ms.empty() ? "-" : format("%.1f", median(ms)); }
 
 std::string text_of_machine(const json& machine, const json& processes) {
-  return format("%s, %zu cores, %.1f GiB, %s, %s, %s, plumbline %s; up to %zu runs side by side",
-                machine.at("cpu").get<std::string>().c_str(), machine.at("cores").get<std::size_t>(),
-                machine.at("memory_gib").get<double>(), machine.at("os").get<std::string>().c_str(),
-                machine.at("compiler").get<std::string>().c_str(), machine.at("build").get<std::string>().c_str(),
-                machine.at("plumbline").get<std::string>().c_str(), processes.get<std::size_t>());
+  const auto runs = processes.get<std::size_t>();
+  return format("%s, %zu cores, %.1f GiB, %s, %s, %s, plumbline %s; ", machine.at("cpu").get<std::string>().c_str(),
+                machine.at("cores").get<std::size_t>(), machine.at("memory_gib").get<double>(),
+                machine.at("os").get<std::string>().c_str(), machine.at("compiler").get<std::string>().c_str(),
+                machine.at("build").get<std::string>().c_str(), machine.at("plumbline").get<std::string>().c_str()) +
+         (runs == 1 ? "one run at a time" : format("up to %zu runs side by side", runs));
 }
 
 /// Every machine that took part.
@@ -73,7 +74,6 @@ std::string text_of_machines(const json& comparison) {
   return out;
 }
 
-/// One in words where all have the same number.
 std::string text_of_starts(const json& comparison) {
   std::size_t most = 0;
   for (const json& run : comparison.at("runs")) most = std::max(most, run.at("repeat").get<std::size_t>() + 1);

@@ -39,8 +39,7 @@ std::string name_of_cpu() {
 
 std::string name_of_system() {
   const std::string distribution = value_in("/etc/os-release", "PRETTY_NAME", '=');
-  const utsname names = system_names();
-  return (distribution.empty() ? std::string() : distribution + ", ") + names.sysname + " " + names.release;
+  return distribution.empty() ? system_names().sysname : distribution;
 }
 
 double memory_gib() {
