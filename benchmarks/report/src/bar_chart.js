@@ -1,6 +1,6 @@
 /// Medians as bars, each repeat as a dot, the spread as a line; the name and what the figure is worth above each bar.
 import uPlot from 'uplot';
-import { axis_style, font, plot_in } from './chart.js';
+import { axis_style, font, plot_in, tick_texts } from './chart.js';
 import { css_color } from './theme.js';
 import { is_number, largest, smallest, text_of, with_unit } from './figures.js';
 
@@ -61,7 +61,7 @@ export function bar_chart(place, { label, unit, rows }) {
     cursor: { show: false },
     legend: { show: false },
     scales: { x: { time: false, ori: 1, dir: -1, range: [-0.5, rows.length - 0.5] }, y: { ori: 0, dir: 1, distr: log ? 3 : 1, range: value_range } },
-    axes: [{ show: false, side: 3 }, axis_style({ side: 2, size: 32, values: (u, ticks) => ticks.map(value => (value === null ? '' : `${text_of(value, 1)} ${unit}`)) })],
+    axes: [{ show: false, side: 3 }, axis_style({ side: 2, size: 32, space: 64, values: tick_texts(unit) })],
     series: [{}, {
       points: { show: false },
       paths: uPlot.paths.bars({ size: [0.3, 13], radius: 0.25, disp: { fill: { unit: 3, values: () => rows.map(row => row.color) }, stroke: { unit: 3, values: () => rows.map(row => row.color) } } }),

@@ -20,6 +20,16 @@ export function plot_in(place, options, data) {
   return plot;
 }
 
+/// Labels of ticks `step` apart: all with the decimals that the step needs.
+export const tick_texts = unit => (plot, ticks, axis, space, step) => ticks.map(value => {
+  if (value === null) return '';
+  const unit_text = unit ? ` ${unit}` : '';
+  if (Math.abs(value) < step / 1e3) return `0${unit_text}`;
+  const size = plot.scales[plot.axes[axis].scale].distr === 3 ? value : step;
+  const decimals = [0, 1, 2, 3, 4, 5, 6, 7, 8].find(n => Math.abs(size * 10 ** n - Math.round(size * 10 ** n)) < 1e-6 * size * 10 ** n) ?? 9;
+  return `${value.toFixed(decimals)}${unit_text}`;
+});
+
 export function axis_style(rest = {}) {
   return { stroke: css_color('--muted'), font: font(11), grid: { stroke: css_color('--grid'), width: 1 },
     ticks: { stroke: css_color('--grid'), width: 1, size: 4 }, gap: 4, ...rest };
@@ -89,8 +99,8 @@ export function time_chart(place, axis, { label, unit, curves, height = 210, log
     height,
     cursor: { sync: { key: axis.name, scales: ['x', null] }, drag: { x: true, y: false }, points: { size: 6 } },
     scales: { x: { time: false, range: (u, low, high) => (u.zoomed ? [low, high] : axis.span) }, y: { distr: log ? 3 : 1, range: range_of(limit, log) } },
-    axes: [axis_style({ size: 30, values: (u, ticks) => ticks.map(t => (t === null ? '' : `${t} s`)) }),
-      axis_style({ size: 50, values: (u, ticks) => ticks.map(y => (y === null ? '' : text_of(y, 2).replace(/\.0+$|(\.\d*?)0+$/, '$1'))) })],
+    axes: [axis_style({ size: 30, values: tick_texts('s') }), axis_style({ size: 54, values: tick_texts('') })],
+    padding: [8, null, 0, 0],
     legend: { markers: { width: 0, fill: (u, i) => u.series[i].stroke(u, i) } },
     series: [{ label: 'time', value: (u, t) => (is_number(t) ? `${t.toFixed(2)} s` : '') },
       ...shown.map(curve => ({

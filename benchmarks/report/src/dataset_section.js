@@ -133,7 +133,7 @@ export class DatasetSection {
     const truth = this.comparison.truth(this.store.dataset), shown = this.shown(), { options } = this;
     const paths = shown.filter(({ group }) => group.typical.trajectory?.t?.length)
       .map(({ name, group, style }) => ({ name, ...group.typical.trajectory, ...style, width: 2.5 }));
-    if (truth && options.truth) paths.unshift({ name: 'truth', ...truth, color: css_color('--ink'), dash: [], width: 1.5 });
+    if (truth && options.truth) paths.push({ name: 'truth', ...truth, color: css_color('--ink'), dash: [], width: 1.2, on_top: true });
     const maps = shown.map(({ name, group, style }) => ({ name, style, map: group.ok.find(run => run.map)?.map })).filter(each => each.map);
     const from = options.map_of === 'all' ? maps : options.map_of ? maps.filter(each => each.name === options.map_of) : maps.slice(0, 1);
     return {
@@ -156,7 +156,7 @@ export class DatasetSection {
   draw_above(chart) {
     const scene = this.scene();
     chart.note.textContent = scene.paths.length ? 'Typical runs: those of median error. A ball is the start, or the time chosen in a chart.' : '';
-    return top_view(chart.place, this.axis, scene, this.view(scene), window.innerWidth < 700 ? 300 : 396);
+    return top_view(chart.place, this.axis, scene, this.view(scene), window.innerWidth < 700 ? 300 : 468);
   }
   draw_error(chart) {
     const truth = this.comparison.truth(this.store.dataset);

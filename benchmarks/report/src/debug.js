@@ -61,8 +61,8 @@ class DebugPage {
 
   scene() {
     const { trajectory, truth } = this.data, paths = [];
-    if (truth?.t.length && this.with_truth) paths.push({ name: 'truth', ...truth, color: css_color('--ink'), width: 1.5 });
     if (trajectory?.t.length) paths.push({ name: 'estimate', ...trajectory, color: css_color('--stage-1'), width: 2.5 });
+    if (truth?.t.length && this.with_truth) paths.push({ name: 'truth', ...truth, color: css_color('--ink'), width: 1.2, on_top: true });
     return { paths, points: [], segments: [] };
   }
   space() {

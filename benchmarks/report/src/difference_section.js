@@ -1,7 +1,7 @@
 /// Two configurations on one data set: their figures side by side, the difference of their errors, repeat by repeat.
 import uPlot from 'uplot';
 import { card, element, select } from './dom.js';
-import { axis_style, plot_in, TimeAxis, time_chart } from './chart.js';
+import { axis_style, plot_in, tick_texts, TimeAxis, time_chart } from './chart.js';
 import { dash, is_number, median, percent, signed, text_of } from './figures.js';
 import { health_names } from './comparison.js';
 import { Lazy } from './lazy.js';
@@ -131,14 +131,14 @@ export class DifferenceSection {
       return null;
     }
     const better = pairs.filter(([a, b]) => b.ate.rmse < a.ate.rmse).length;
-    chart.note.textContent = `B has the smaller ATE in ${better} of ${pairs.length} repeats, in the median by a factor of ${text_of(median(pairs.map(([a, b]) => b.ate.rmse / a.ate.rmse)))}. A: ${group_a.terms}. B: ${group_b.terms}.`;
+    chart.note.textContent = `B has the smaller ATE in ${better} of ${pairs.length} repeats; it is ${text_of(median(pairs.map(([a, b]) => b.ate.rmse / a.ate.rmse)))} times that of A in the median. A: ${group_a.terms}. B: ${group_b.terms}.`;
     const x = pairs.map((_, i) => i), values = k => pairs.map(pair => pair[k].ate.rmse);
     const bars = (k, color) => ({ label: 'AB'[k], stroke: color, fill: color, paths: uPlot.paths.bars({ size: [0.3, 26], align: k === 0 ? -1 : 1, gap: 1 }), points: { show: false }, value: (u, value) => (is_number(value) ? `${text_of(value)} m` : '') });
     const plot = plot_in(chart.place, {
-      height: 260,
+      height: 380,
       cursor: { drag: { x: false, y: false } },
       scales: { x: { time: false, range: [-0.6, pairs.length - 0.4] }, y: { range: (u, low, high) => [0, high * 1.08] } },
-      axes: [axis_style({ size: 30, splits: () => x, grid: { show: false }, values: (u, ticks) => ticks.map(i => (pairs[i] ? `${pairs[i][0].repeat}` : '')) }), axis_style({ size: 54, values: (u, ticks) => ticks.map(value => `${text_of(value, 2)} m`) })],
+      axes: [axis_style({ size: 30, splits: () => x, grid: { show: false }, values: (u, ticks) => ticks.map(i => (pairs[i] ? `${pairs[i][0].repeat}` : '')) }), axis_style({ size: 60, values: tick_texts('m') })],
       series: [{ label: 'repeat', value: (u, i) => (pairs[i] ? String(pairs[i][0].repeat) : '') }, bars(0, color_a), bars(1, color_b)],
     }, [x, values(0), values(1)]);
     chart.place.setAttribute('role', 'img');

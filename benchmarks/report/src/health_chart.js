@@ -1,5 +1,5 @@
 /// Health over time: one lane for each run, with its name above it. What is worse is taller as well as of another colour.
-import { axis_style, font, health_colors, plot_in, spans_of } from './chart.js';
+import { axis_style, font, health_colors, plot_in, spans_of, tick_texts } from './chart.js';
 import { css_color } from './theme.js';
 import { element } from './dom.js';
 import { health_names } from './comparison.js';
@@ -42,11 +42,11 @@ export function health_chart(place, axis, lanes) {
   const t = [axis.span[0], axis.span[1]];
   const plot = plot_in(place, {
     height: lanes.length * lane_height + 34,
-    padding: [0, null, 0, null],
+    padding: [0, null, 0, 0],
     cursor: { sync: { key: axis.name, scales: ['x', null] }, y: false, points: { show: false } },
     legend: { show: false },
     scales: { x: { time: false, range: (u, low, high) => (u.zoomed ? [low, high] : axis.span) }, y: { range: [0, 1] } },
-    axes: [axis_style({ size: 30, values: (u, ticks) => ticks.map(s => `${s} s`) }), axis_style({ size: 50, grid: { show: false }, ticks: { show: false }, values: () => [] })],
+    axes: [axis_style({ size: 30, values: tick_texts('s') }), axis_style({ size: 54, grid: { show: false }, ticks: { show: false }, values: () => [] })],
     series: [{}, { show: true, paths: () => null, points: { show: false } }],
     hooks: { draw: [draw], setSelect: [u => { u.zoomed = true; }] },
   }, [t, t.map(() => 0)]);

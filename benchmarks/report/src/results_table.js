@@ -1,9 +1,10 @@
 /// All groups as rows: sorted by a click on a column's head, filtered by what is chosen above.
+import { health_legend } from './health_chart.js';
 import { checkbox, element, name_of, select } from './dom.js';
 import { dash, is_number, percent, text_of } from './figures.js';
 import { health_names } from './comparison.js';
 
-const first_rows = 40;
+const first_rows = window.innerWidth < 700 ? 8 : 40;
 
 const number = (name, get, unit = '', title = '') => ({ name, unit, title, value: group => group.figures[get], text: group => text_of(group.figures[get]), numeric: true });
 const share = (name, get, title) => ({ name, title, value: group => group.figures[get], text: group => percent(group.figures[get]), numeric: true });
@@ -62,7 +63,7 @@ export class ResultsTable {
       element('button', { type: 'button', onclick: () => this.sort_by(i) }, column.name, column.unit && element('small', {}, ` ${column.unit}`))));
     this.sorting = select('Sort by', columns.map((column, i) => [String(i), [column.name, column.unit].filter(Boolean).join(' ')]), '0', value => this.sort_by(Number(value), false));
     this.sorting.classList.add('sorting');
-    this.node = element('div', {}, this.filters(), this.count,
+    this.node = element('div', {}, this.filters(), element('div', { class: 'above-table' }, this.count, health_legend()),
       element('div', { class: 'scroll', tabindex: '0', role: 'region', 'aria-label': 'Results' },
         element('table', { class: 'results' }, element('thead', {}, element('tr', {}, this.heads)), this.body)), this.more);
     this.update();

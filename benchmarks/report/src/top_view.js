@@ -1,7 +1,6 @@
 /// The scene from above, with equal scales: drag to look closer, double click for all of it.
-import { axis_style, plot_in } from './chart.js';
+import { axis_style, font, plot_in, tick_texts } from './chart.js';
 import { box_of, place_at } from './space.js';
-import { text_of } from './figures.js';
 import { css_color } from './theme.js';
 
 /// `scene`: {paths, points, segments} as of viewer.js, `view` as of space.js.
@@ -81,15 +80,14 @@ export function top_view(place, axis, scene, view, height) {
     }
     ctx.restore();
   };
-  const meters = (u, ticks) => ticks.map(value => (value === null ? '' : `${text_of(value, 2).replace(/\.0+$/, '')}`));
   const plot = plot_in(place, {
     height,
     padding: [10, 12, 0, 0],
     cursor: { drag: { x: true, y: true, uni: 10, setScale: false }, points: { show: false } },
     legend: { show: false },
     scales: { x: { time: false, range: u => ranges(u).x }, y: { range: u => ranges(u).y } },
-    axes: [axis_style({ size: 44, label: `${view.right} [m]`, labelSize: 16, labelFont: '11px sans-serif', values: meters }),
-      axis_style({ size: 44, label: `${view.far} [m]`, labelSize: 16, labelFont: '11px sans-serif', values: meters })],
+    axes: [axis_style({ size: 26, label: `${view.right} [m]`, labelSize: 18, labelFont: font(11), values: tick_texts('') }),
+      axis_style({ size: 40, label: `${view.far} [m]`, labelSize: 18, labelFont: font(11), values: tick_texts('') })],
     series: [{}, { paths: () => null, points: { show: false } }],
     hooks: {
       draw: [draw],

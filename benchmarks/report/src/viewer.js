@@ -63,7 +63,7 @@ export class Viewer {
     axis.listeners.add(() => { this.place_markers(); this.render(); });
   }
 
-  /// `scene`: {paths: [{name, t, x, y, z, color, dash, width, faint}], points: [{positions, color}],
+  /// `scene`: {paths: [{name, t, x, y, z, color, dash, width, faint, on_top}], points: [{positions, color}],
   /// segments: [{ends, color}]}. The camera stays where a reader put it as long as `key` is the same.
   show(scene, view, key) {
     if (!this.renderer) return;
@@ -83,7 +83,7 @@ export class Viewer {
     this.center = low.clone().add(high).multiplyScalar(0.5);
     this.radius = Math.max(high.distanceTo(low) / 2, 1e-3);
     for (const { positions, color } of scene.points)
-      this.content.add(new Points(geometry_of(positions), new PointsMaterial({ color: new Color(color), size: 2.5 * this.renderer.getPixelRatio(), sizeAttenuation: false, transparent: true, opacity: 0.65 })));
+      this.content.add(new Points(geometry_of(positions), new PointsMaterial({ color: new Color(color), size: 2.5, sizeAttenuation: false, transparent: true, opacity: 0.65 })));
     for (const { ends, color } of scene.segments)
       this.content.add(new LineSegments(geometry_of(ends), new LineBasicMaterial({ color: new Color(color), transparent: true, opacity: 0.7 })));
     for (const path of scene.paths) this.add_path(path);
@@ -108,6 +108,10 @@ export class Viewer {
       dashSize: dashed ? path.dash[0] * this.radius / 150 : 1, gapSize: dashed ? path.dash[1] * this.radius / 150 : 1 });
     const line = new Line2(geometry, material);
     if (dashed) line.computeLineDistances();
+    if (path.on_top) {
+      line.renderOrder = 1;
+      material.depthTest = false;
+    }
     this.content.add(line);
     if (path.faint) return;
     const ball = new Mesh(new SphereGeometry(this.radius * 0.022, 20, 14), new MeshBasicMaterial({ color: new Color(path.color) }));
