@@ -149,12 +149,6 @@ bool run_all(const std::vector<CompareJob>& jobs, const CompareParts& parts, con
   return run_in_children(missing.size(), limits, work, ended);
 }
 
-std::size_t planned_runs(const json& comparison) {
-  std::size_t runs = 0;
-  for (const json& plan : comparison.at("plans")) runs += plan.at("runs").get<std::size_t>();
-  return runs;
-}
-
 int run_merge(const CompareOptions& options) {
   if (!options.configs.empty() || !options.datasets.empty())
     throw std::runtime_error("--merge takes files of comparisons, no --config and no --dataset");
@@ -201,7 +195,7 @@ int run_compare(const CompareOptions& options) {
                  parts.directory().c_str());
     return interrupted;
   }
-  sort_runs(comparison);
+  finish(comparison);
   write_outputs(options, comparison);
   parts.remove(jobs);
   print_table(std::cout, comparison);

@@ -1,14 +1,18 @@
 #include "compare_merge.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <tuple>
 
 #include "compare_json.hpp"
 #include "plumbline/io/text.hpp"
+#include "statistics.hpp"
 
 using nlohmann::json;
 
@@ -99,6 +103,29 @@ void merge_into(json& all, const json& other, const std::filesystem::path& file)
   require_each_once(all, file);
 }
 
+bool same_group(const json& a, const json& b) {
+  return a.at("configuration") == b.at("configuration") && a.at("dataset") == b.at("dataset");
+}
+
+/// Of repeats.
+void keep_series_of_typical(std::span<json> runs) {
+  const auto ate_m = [](const json& run) { return run.at("ate").at("rmse").get<double>(); };
+  std::vector<double> all_m;
+  for (const json& run : runs)
+    if (run.at("status") == "ok") all_m.push_back(ate_m(run));
+  const double median_m = median(all_m);
+  const auto distance_m = [&](const json& run) {
+    return run.at("status") == "ok" ? std::abs(ate_m(run) - median_m) : std::numeric_limits<double>::infinity();
+  };
+  const auto typical = std::min_element(runs.begin(), runs.end(),
+                                        [&](const json& a, const json& b) { return distance_m(a) < distance_m(b); });
+  for (json& run : runs) {
+    if (&run == &*typical) continue;
+    run.erase("frame_series");
+    run.erase("map");
+  }
+}
+
 }  // namespace
 
 json read_comparison(const std::filesystem::path& file) {
@@ -127,15 +154,27 @@ json merge_comparisons(const std::vector<std::filesystem::path>& files) {
       refuse(file, "has a run of a configuration or a data set that it does not list");
     }
   }
-  sort_runs(out);
+  finish(out);
   return out;
 }
 
-void sort_runs(json& comparison) {
+std::size_t planned_runs(const json& comparison) {
+  std::size_t runs = 0;
+  for (const json& plan : comparison.at("plans")) runs += plan.at("runs").get<std::size_t>();
+  return runs;
+}
+
+void finish(json& comparison) {
   const auto configurations = places_of(comparison.at("configurations")),
              datasets = places_of(comparison.at("datasets"));
   auto& runs = comparison.at("runs").get_ref<json::array_t&>();
   std::sort(runs.begin(), runs.end(), [&](const json& a, const json& b) {
     return place_of(a, configurations, datasets) < place_of(b, configurations, datasets);
   });
+  if (runs.size() < planned_runs(comparison)) return;
+  for (auto begin = runs.begin(); begin != runs.end();) {
+    const auto end = std::find_if(begin, runs.end(), [&](const json& run) { return !same_group(*begin, run); });
+    keep_series_of_typical({begin, end});
+    begin = end;
+  }
 }

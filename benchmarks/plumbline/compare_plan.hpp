@@ -29,7 +29,6 @@ struct CompareJob {
   double begin_s, duration_s;
 
   std::size_t frames() const { return dataset->frames.size() - repeat; }
-  bool keeps_series() const { return repeat == 0; }
 };
 
 struct ComparePlan {

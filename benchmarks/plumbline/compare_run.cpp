@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ctime>
 #include <map>
 #include <memory>
 #include <stdexcept>
@@ -41,8 +42,8 @@ struct FrameSeries {
 struct Observed {
   FrameSeries frames;
   io::Trajectory poses;
-  std::vector<double> times_ms;         ///< of the frames with an estimate
-  std::array<std::size_t, 4> health{};  ///< frames in each state
+  std::vector<double> times_ms, cpu_ms;  ///< of the frames with an estimate
+  std::array<std::size_t, 4> health{};   ///< frames in each state
   std::uint32_t resets = 0;
   std::map<std::pair<int, std::uint32_t>, MapFeature> map;  ///< as each feature was last known
 };
@@ -60,6 +61,13 @@ std::optional<Images> read_images(const io::FrameSample& frame, bool with_depth)
   } catch (const std::runtime_error&) {
     return std::nullopt;
   }
+}
+
+/// Of this thread: what runs beside it on the same core does not count.
+double cpu_time_ms() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
 
 /// Adds a frame; without output it was not one that the estimator could be given.
@@ -108,11 +116,13 @@ Observed observe(const CompareJob& job, io::Recording& recording, Runner& runner
       if (!images->depth.empty())
         pl::opencv::require_resolution(images->depth, camera.width, camera.height, *frame.depth);
     }
+    const double begin_ms = cpu_time_ms();
     const FrameOutput output = runner.add_frame(frame.t_ns, images->gray, images->depth);
+    if (!output.refused) out.cpu_ms.push_back(cpu_time_ms() - begin_ms);
     add(out, t_s, output, runner);
     if (!output.has_sound_pose()) continue;
     out.poses.push_back({frame.t_ns, output.estimate.T_world_body});
-    if (!job.keeps_series() || !output.estimate.keyframe) continue;
+    if (!output.estimate.keyframe) continue;
     for (const MapFeature& feature : runner.map()) out.map.insert_or_assign({feature.kind, feature.id}, feature);
   }
   return out;
@@ -179,11 +189,9 @@ void judge(const CompareJob& job, const io::Recording& recording, const Observed
   if (result.rpe.translation.count > 0)
     run["rpe_1s"] = {{"translation_rmse", rounded(result.rpe.translation.rmse, 6)},
                      {"rotation_rmse_deg", rounded(result.rpe.rotation_deg.rmse, 5)}};
-  if (job.keeps_series()) {
-    run["trajectory"] = json_of_trajectory(result, truth, needs, job, recording);
-    const auto S = io::align(io::associate(truth, observed.poses, max_difference_s), settings.alignment);
-    run["map"] = json_of_map(observed, S.value());
-  }
+  run["trajectory"] = json_of_trajectory(result, truth, needs, job, recording);
+  const auto S = io::align(io::associate(truth, observed.poses, max_difference_s), settings.alignment);
+  run["map"] = json_of_map(observed, S.value());
   run["status"] = "ok";
 }
 
@@ -231,8 +239,9 @@ CompareRun run_compared(const CompareJob& job) {
                    {"resets", observed.resets}};
   run["time_ms"] = {{"median", rounded(median(observed.times_ms), 3)},
                     {"p99", rounded(percentile(observed.times_ms, 0.99), 3)},
-                    {"max", rounded(percentile(observed.times_ms, 1), 3)}};
-  if (job.keeps_series()) run["frame_series"] = observed.frames.json();
+                    {"max", rounded(percentile(observed.times_ms, 1), 3)},
+                    {"cpu_median", rounded(median(observed.cpu_ms), 3)}};
+  run["frame_series"] = observed.frames.json();
   if (observed.poses.empty()) {
     run["error"] = "no pose in " + std::to_string(observed.frames.t.size()) + " frames";
     return out;

@@ -21,7 +21,7 @@ struct Summary {
   std::string alignment;
   std::vector<double> ate_m;     ///< infinite of a failed run
   std::vector<double> coverage;  ///< zero of a failed run
-  std::vector<double> ms;        ///< medians of the runs that had frames
+  std::vector<double> ms;        ///< of the processor, medians of the runs that had frames
 
   double median_ate_m() const { return median(ate_m); }
   double worst_ate_m() const { return *std::max_element(ate_m.begin(), ate_m.end()); }
@@ -39,7 +39,7 @@ Summary summary_of(const json& comparison, const json& configuration, const json
     out.ate_m.push_back(is_ok ? run.at("ate").at("rmse").get<double>() : std::numeric_limits<double>::infinity());
     out.coverage.push_back(is_ok ? run.at("coverage").get<double>() : 0);
     const json& times = run.at("time_ms");
-    if (!times.is_null() && !times.at("median").is_null()) out.ms.push_back(times.at("median").get<double>());
+    if (!times.is_null() && !times.at("cpu_median").is_null()) out.ms.push_back(times.at("cpu_median").get<double>());
   }
   return out;
 }
@@ -101,7 +101,7 @@ std::string legend_of(const json& comparison) {
          text_of_starts(comparison) +
          ", of causal poses: each is the one published with its frame. Coverage: frames with such a pose, of those "
          "with "
-         "truth; the lowest of the starts. ms: median time of a frame. " +
+         "truth; the lowest of the starts. ms: of the processor, median of the frames. " +
          text_of_machines(comparison) + ".";
 }
 
