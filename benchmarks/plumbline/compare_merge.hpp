@@ -19,7 +19,7 @@ nlohmann::json merge_comparisons(const std::vector<std::filesystem::path>& files
 /// Runs that all shards together have.
 std::size_t planned_runs(const nlohmann::json& comparison);
 
-/// Puts the runs in the order of configurations, data sets and repeats. Where none is missing, series of frames and maps
-/// are dropped but for the typical run of each configuration on each data set: that whose ATE is nearest to the median,
-/// or the first where all failed.
+/// Puts the runs in the order of configurations, data sets and repeats. Where none is missing, drops frame_series and
+/// map but for the typical run of each configuration on each data set: that whose ATE is nearest to the median, or the
+/// first where all failed.
 void finish(nlohmann::json& comparison);
