@@ -76,7 +76,7 @@ expect_text <(tr '\n' ' ' < merged.txt) '; and another '
 # --------------------------------------------------------------------------------------------------- interruption
 # Waits until a command succeeds.
 wait_for() {
-  for ((i = 0; i < 500; ++i)); do
+  for ((i = 0; i < 3000; ++i)); do
     if "$@" > /dev/null 2>&1; then return; fi
     sleep 0.02
   done
