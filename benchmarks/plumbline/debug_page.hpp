@@ -1,5 +1,5 @@
 #pragma once
-/// The page of a debug folder: pictures of the frames beside plots of everything over time, without any library.
+/// The page of a debug folder: pictures of the frames beside charts of everything over time (benchmarks/report).
 
 #include <cstddef>
 #include <filesystem>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "plumbline/core/time.hpp"
+#include "plumbline/io/trajectory.hpp"
 #include "plumbline/state/health.hpp"
 #include "table.hpp"
 #include "truth_comparison.hpp"
@@ -24,8 +25,10 @@ struct DebugPage {
   const std::vector<plumbline::HealthState>& health;
   const std::vector<Picture>& pictures;
   const std::vector<std::string>& kinds;  ///< of features: prefixes of columns
-  bool has_imu, has_trajectory;           ///< the latter: trajectory.png beside the page
+  bool has_imu;
   const std::vector<TruthError>& errors;  ///< empty without truth
+  const plumbline::io::Trajectory& estimate;
+  const plumbline::io::Trajectory& truth;  ///< in the estimate's world; empty where there is none
 };
 
 /// Throws std::runtime_error when it cannot be written. At least one row.

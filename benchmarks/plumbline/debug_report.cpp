@@ -186,10 +186,9 @@ void DebugReport::finish(const std::string& summary) {
     text += format("\nroot mean square of the position error %.4f m, aligned by %s", position_rmse(errors),
                    has_imu_ ? "position and heading" : "the whole pose");
   }
+  pl::io::Trajectory estimate, truth;  // both in the estimate's world
   if (!poses_.empty()) {
-    pl::io::Trajectory estimate;
     for (const EstimatedPose& pose : poses_) estimate.push_back({pose.t_ns, pose.T_world_body});
-    pl::io::Trajectory truth;  // in the estimate's world
     for (const TruthError& each : errors) {
       const auto pose = std::lower_bound(estimate.begin(), estimate.end(), each.t_ns,
                                          [](const pl::io::StampedPose& p, pl::TimeNs t) { return p.t_ns < t; });
@@ -198,7 +197,7 @@ void DebugReport::finish(const std::string& summary) {
     draw_trajectories(options_.directory / "trajectory.png", truth, estimate, title_);
   }
   write_debug_page(options_.directory / "report.html",
-                   {title_, text, frames_, times_, health_, pictures_, kinds_, has_imu_, !poses_.empty(), errors});
+                   {title_, text, frames_, times_, health_, pictures_, kinds_, has_imu_, errors, estimate, truth});
 }
 
 void DebugReport::write_errors(const std::vector<TruthError>& errors) const {

@@ -6,6 +6,8 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "inspect.hpp"
@@ -88,9 +90,61 @@ class EstimatorRunner final : public Runner {
     return points;
   }
 
+  std::vector<MapFeature> map() const override {
+    std::vector<MapFeature> features;
+    const auto& window = estimator_->backend().window();
+    const auto& T_body_cam = estimator_->rig_state().T_body_cam();
+    int kind = 0;
+    estimator_->landmarks().for_each([&](const auto& store) {
+      using Store = std::remove_cvref_t<decltype(store)>;
+      for (const auto& landmark : store.landmarks()) {
+        if (!landmark.takes_part() || !is_sharp(landmark.geometry)) continue;
+        const plumbline::SE3<S> T_world_anchor = window.T_world_body(landmark.anchor) * T_body_cam;
+        const auto in_world = [&](const plumbline::Vec<S, 3>& p) {
+          return plumbline::Vec<double, 3>((T_world_anchor * p).template cast<double>());
+        };
+        const auto [start, end] = ends_of<typename Store::Kind>(landmark.geometry);
+        features.push_back({kind, landmark.id, are_lines<Store>, in_world(start), in_world(end)});
+      }
+      ++kind;
+    });
+    return features;
+  }
+
+  FeatureCounts seen() const override {
+    FeatureCounts out;
+    estimator_->landmarks().for_each([&](const auto& store) {
+      (are_lines<std::remove_cvref_t<decltype(store)>> ? out.lines : out.points) += store.seen_count();
+    });
+    return out;
+  }
+
+  std::size_t bytes() const override { return sizeof(Estimator); }
+
   Inspection inspect() const override { return ::inspect(*estimator_, previous_ns_); }
 
  private:
+  template <class Store>
+  static constexpr bool are_lines = std::is_same_v<typename Store::Kind::Place, plumbline::LineSegment>;
+
+  /// Lines are not kept with less; points are, for what they say of the rotation.
+  template <class Geometry>
+  static bool is_sharp(const Geometry& geometry) {
+    if constexpr (requires { geometry.sigma_inverse_range; })
+      return geometry.sigma_inverse_range < geometry.inverse_range / 5;
+    else
+      return true;
+  }
+
+  /// In the anchor's camera [m].
+  template <class Kind, class Geometry>
+  static std::pair<plumbline::Vec<S, 3>, plumbline::Vec<S, 3>> ends_of(const Geometry& geometry) {
+    if constexpr (requires { geometry.at(geometry.extent[0]); })
+      return {geometry.at(geometry.extent[0]), geometry.at(geometry.extent[1])};
+    else
+      return {Kind::middle(geometry), Kind::middle(geometry)};
+  }
+
   std::unique_ptr<Estimator> estimator_;
   plumbline::TimeNs previous_ns_ = 0;  ///< of the frame before the latest
 };

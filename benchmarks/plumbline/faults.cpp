@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "nearest.hpp"
+#include "statistics.hpp"
 #include "trial.hpp"
 
 namespace pl = plumbline;
@@ -47,13 +48,13 @@ struct Fault {
   std::function<Spoil(const Interval&)> make;
 };
 
-Spoil of_pictures(const Interval& when, std::function<bool(Picture&)> spoil) {
+Spoil of_pictures(const Interval& when, const std::function<bool(Picture&)>& spoil) {
   return [=](Event& event) {
     Picture* picture = std::get_if<Picture>(&event);
     return picture == nullptr || !when.has(picture->t_ns) || spoil(*picture);
   };
 }
-Spoil of_readings(const Interval& when, std::function<bool(pl::ImuSample&)> spoil) {
+Spoil of_readings(const Interval& when, const std::function<bool(pl::ImuSample&)>& spoil) {
   return [=](Event& event) {
     pl::ImuSample* sample = std::get_if<pl::ImuSample>(&event);
     return sample == nullptr || !when.has(sample->t_ns) || spoil(*sample);
@@ -200,7 +201,7 @@ void print_row(const Fault& fault, double duration_s, double clean_m, const std:
   const double worst_m = *std::max_element(ate_m.begin(), ate_m.end());
   char length[16] = "";
   if (std::isfinite(duration_s)) std::snprintf(length, sizeof length, "%g s", duration_s);
-  std::printf("%-17s %6s %9.4f %9.4f %6.2f %7.2f %6d %6d %7u\n", fault.name, length, median_of(ate_m), worst_m,
+  std::printf("%-17s %6s %9.4f %9.4f %6.2f %7.2f %6d %6d %7u\n", fault.name, length, median(ate_m), worst_m,
               worst_m / clean_m, recovered_s, wrong, lost, resets);
   std::fflush(stdout);
 }

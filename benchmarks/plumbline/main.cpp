@@ -11,6 +11,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "compare.hpp"
 #include "evaluate.hpp"
 #include "faults.hpp"
 #include "nearest.hpp"
@@ -115,6 +116,23 @@ void add_starts(CLI::App& app, StartOptions& options) {
   command->add_option("--duration", options.duration_s, "Length of each run [s]")->check(CLI::PositiveNumber);
 }
 
+void add_compare(CLI::App& app, CompareOptions& options) {
+  CLI::App* command = app.add_subcommand("compare", "Run configurations on recordings, and compare them");
+  command->add_option("--config", options.configs, "Configurations, or patterns such as 'rgbd/points*/window'");
+  command->add_option("--dataset", options.datasets, "Folders of recordings with truth");
+  command->add_option("--json", options.json, "All figures to write");
+  command->add_option("--report", options.report, "Page to write, HTML");
+  command->add_option("--markdown", options.markdown, "Table to write, Markdown");
+  command->add_option("--repeat", options.repeats, "Runs of each, begun one frame apart")->check(CLI::PositiveNumber);
+  command->add_option("--jobs", options.processes, "Runs side by side, instead of one for each core")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--shard", options.shard, "I/N: part I of N of the runs, for --merge");
+  command->add_option("--merge", options.merge, "Files of comparisons to put together");
+  command->add_option("--start", options.start_s, "Begin this long after the first frame [s]");
+  command->add_option("--duration", options.duration_s, "Length of the part to run [s]");
+  command->add_option("--limit", options.limit_s, "Time after which a run has failed [s]")->capture_default_str();
+}
+
 /// What went wrong, in one line.
 int fail(const std::string& text) {
   std::fprintf(stderr, "plumbline: %s\n", text.substr(0, text.find('\n')).c_str());
@@ -131,12 +149,14 @@ int main(int argc, char* argv[]) {
   SimulateOptions simulate_options;
   FaultOptions fault_options;
   StartOptions start_options;
+  CompareOptions compare_options;
   app.add_subcommand("list", "Print the names of the configurations");
   add_run(app, run_options);
   add_evaluate(app, evaluate_options);
   add_simulate(app, simulate_options);
   add_faults(app, fault_options);
   add_starts(app, start_options);
+  add_compare(app, compare_options);
   try {
     check_names(app, {argv, static_cast<std::size_t>(argc)});
     app.parse(argc, argv);
@@ -145,6 +165,7 @@ int main(int argc, char* argv[]) {
     if (app.got_subcommand("evaluate")) return run_evaluate(evaluate_options);
     if (app.got_subcommand("faults")) return run_faults(fault_options);
     if (app.got_subcommand("starts")) return run_starts(start_options);
+    if (app.got_subcommand("compare")) return run_compare(compare_options);
     return run_simulate(simulate_options);
   } catch (const CLI::ParseError& error) {
     return error.get_exit_code() == 0 ? app.exit(error) : fail(error.what());  // 0: --help

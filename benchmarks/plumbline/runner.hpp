@@ -3,6 +3,8 @@
 /// configs/ and one line in configurations.cpp; each is a translation unit of its own because each is a type of its
 /// own.
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -31,6 +33,19 @@ struct FrameOutput {
   bool has_sound_pose() const { return has_pose() && !is_rough && health() != plumbline::HealthState::lost; }
 };
 
+/// Features that the latest frame saw.
+struct FeatureCounts {
+  int points = 0, lines = 0;
+};
+
+/// A landmark of the present map, in world coordinates [m]: from start to end of an edge; both are one of a point.
+struct MapFeature {
+  int kind;          ///< of features, in the order of the estimator's
+  std::uint32_t id;  ///< in its kind, never used again
+  bool is_line;
+  plumbline::Vec<double, 3> start, end;
+};
+
 class Runner {
  public:
   virtual ~Runner() = default;
@@ -39,6 +54,11 @@ class Runner {
   virtual FrameOutput add_frame(plumbline::TimeNs t_ns, const cv::Mat& gray, const cv::Mat& depth) = 0;
   /// Points of the present map, in world coordinates [m].
   virtual std::vector<plumbline::Vec<double, 3>> landmarks() const = 0;
+  /// Points and edges of the present map that are worth a picture: their distances are known to a fifth.
+  virtual std::vector<MapFeature> map() const = 0;
+  virtual FeatureCounts seen() const = 0;
+  /// Of the estimator, all that it ever uses.
+  virtual std::size_t bytes() const = 0;
   /// What there is to see of the latest frame.
   virtual Inspection inspect() const = 0;
 };

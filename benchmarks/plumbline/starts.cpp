@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "plumbline/io/trajectory_alignment.hpp"
+#include "statistics.hpp"
 #include "trial.hpp"
 
 namespace pl = plumbline;
@@ -98,8 +99,8 @@ void run_starts(const Configuration& configuration, const LoadedRecording& recor
   std::printf(
       "%d starts: %d with a pose (median %.2f s), %d tracking, %d falsely; scale error median %.1f %%, worst "
       "%.1f %%, later %.1f %% and %.1f %%\n",
-      starts, posed, median_of(pose_s), tracked, wrong, 100 * median_of(scales), 100 * worst(scales),
-      100 * median_of(later), 100 * worst(later));
+      starts, posed, median(pose_s), tracked, wrong, 100 * median(scales), 100 * worst(scales), 100 * median(later),
+      100 * worst(later));
 }
 
 }  // namespace

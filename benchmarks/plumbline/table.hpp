@@ -23,10 +23,10 @@ class Table {
   void set(const std::string& column, double value) {
     char text[32] = "";
     if (!std::isnan(value)) std::snprintf(text, sizeof text, "%.7g", value);
-    add(column, text, value);
+    add(column, text, false, value);
   }
   void set(const std::string& column, const std::string& text) {
-    add(column, text, std::numeric_limits<double>::quiet_NaN());
+    add(column, text, true, std::numeric_limits<double>::quiet_NaN());
   }
 
   void end_row() {
@@ -44,6 +44,13 @@ class Table {
   }
 
   std::size_t rows() const { return rows_; }
+  /// Columns of numbers; texts are in the file alone.
+  std::vector<std::string> names() const {
+    std::vector<std::string> out;
+    for (const Column& each : columns_)
+      if (!each.is_text) out.push_back(each.name);
+    return out;
+  }
   /// Of the whole column; empty when there is none of that name.
   const std::vector<double>& numbers(const std::string& column) const {
     static const std::vector<double> none;
@@ -55,11 +62,12 @@ class Table {
  private:
   struct Column {
     std::string name;
+    bool is_text;
     std::vector<double> numbers;
   };
 
-  void add(const std::string& column, const std::string& text, double value) {
-    if (rows_ == 0) columns_.push_back({column, {}});
+  void add(const std::string& column, const std::string& text, bool is_text, double value) {
+    if (rows_ == 0) columns_.push_back({column, is_text, {}});
     if (next_ >= columns_.size() || columns_[next_].name != column)
       throw std::logic_error(file_.string() + ": " + column + " is out of order");
     columns_[next_].numbers.push_back(value);

@@ -1,6 +1,5 @@
 #include "trial.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -82,11 +81,4 @@ double ate_of(const std::vector<JudgedFrame>& frames) {
     ++n;
   }
   return n > 0 ? std::sqrt(sum / n) : std::nan("");
-}
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return std::nan("");
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }

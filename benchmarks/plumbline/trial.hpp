@@ -53,6 +53,3 @@ std::vector<JudgedFrame> run_trial(const Configuration& configuration, const Loa
 
 /// Root mean square of the errors [m]; NaN of no poses.
 double ate_of(const std::vector<JudgedFrame>& frames);
-
-/// Middle of values; NaN of none.
-double median_of(std::vector<double> values);
