@@ -11,7 +11,8 @@ case "${1:-}" in
   test)
     packages+=(catch2 ccache libceres-dev libopencv-calib3d-dev libopencv-video-dev libbenchmark-dev pkg-config
       gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib
-      git shellcheck clang-format-14 clang-tidy-14 python3-jsonschema)
+      git shellcheck clang-format-14 clang-tidy-14 python3-jsonschema chromium)
+    command -v npm > /dev/null || packages+=(nodejs npm)  # there may be one that is not Debian's
     ;;
   *)
     echo "usage: ${0##*/} program|test" >&2

@@ -1,5 +1,6 @@
 #include "debug_page.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -30,7 +31,7 @@ Json numbers(const std::vector<double>& values) {
 class Clock {
  public:
   explicit Clock(pl::TimeNs first) : first_(first) {}
-  Json operator()(pl::TimeNs t) const { return static_cast<double>((t - first_) / 1000) / 1e6; }
+  Json operator()(pl::TimeNs t) const { return std::round(1e-3 * static_cast<double>(t - first_)) / 1e6; }
 
  private:
   pl::TimeNs first_;

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# run --debug: pictures of the frames, tables that agree with the run, one page; and no other trajectory.
+# run --debug: pictures of the frames, tables that agree with the run, one page with its data; and no other trajectory.
 # shellcheck source=tests/program/expect.sh
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 
 # The camera of the shared recording stands still; this one moves.
-rm -rf recording debug thin
-"$plumbline" simulate --scene room --out recording --duration 3.2 2> /dev/null
-recording=recording
+rm -rf recording* debug thin
+"$plumbline" simulate --scene room --out 'recording <b>' --duration 3.2 2> /dev/null
+recording='recording <b>'
 part=(--config "$config" --dataset "$recording" --start 2.2)
 frames=20
 "$plumbline" run "${part[@]}" --trajectory plain.tum > /dev/null 2>&1
@@ -55,14 +55,25 @@ as_evaluated() {
 as_evaluated position_error_m 'APE translation'
 as_evaluated rotation_error_deg 'APE rotation'
 
-for file in frames/000000.jpg trajectory.png "<svg"; do
-  grep -q "$file" debug/report.html || fail "report.html does not show $file"
+# The page is that of benchmarks/report, byte by byte but for the one line of its data.
+page=$(dirname "${BASH_SOURCE[0]}")/../../benchmarks/report/dist/debug.html
+place='<script type="application/json" id="plumbline-data">'
+cmp <(grep -vF "$place" debug/report.html) <(grep -vF "$place" "$page") || fail "report.html is not the page"
+[[ $(grep -cF "$place" debug/report.html) == 1 ]] || fail "report.html has not one line of data"
+grep -F "$place" debug/report.html | sed -e "s|^$place||" -e 's|</script>$||' > data.json
+grep -q '<' data.json && fail "the data may end its script"
+# count MEMBER PATTERN: how often it stands in a list of the data.
+count() { grep -oE "\"$1\":\[[^]]*\]" data.json | head -n 1 | grep -oE -- "$2" | wc -l; }
+for member in t health points_located total_ms position_m; do
+  [[ $(count $member '[[,][0-9]') == "$frames" ]] || fail "$(count $member '[[,][0-9]') numbers of $member in the page"
 done
+[[ $(count pictures 'frames/[0-9]{6}\.jpg') == "$frames" ]] || fail "the page does not show every picture"
 
 rm "$recording"/groundtruth*
 "$plumbline" run "${part[@]}" --trajectory out.tum --debug thin --debug-every 7 > /dev/null 2>&1 ||
   fail "run --debug-every"
 [[ $(find thin/frames -type f | wc -l) == $(((frames + 6) / 7)) ]] || fail "not every seventh frame"
+grep -q '"errors":null' thin/report.html || fail "errors without a truth"
 [[ $(wc -l < thin/frames.csv) == $((frames + 1)) && ! -e thin/error.csv ]] || fail "tables without a truth"
 
 run=(run --config "$config" --dataset "$recording" --trajectory other.tum)

@@ -68,7 +68,7 @@ export function bar_chart(place, { label, unit, rows }) {
       fill: '#888', stroke: '#888', fillTo: () => value_range[0],
     }],
     hooks: { draw: [draw] },
-  }, [at, rows.map(row => (row.median > 0 || !log ? row.median : null))]);
+  }, [at, rows.map(row => (is_number(row.median) && (row.median > 0 || !log) ? row.median : null))]);
   place.setAttribute('role', 'img');
   place.setAttribute('aria-label', `${label}, ${unit}. ${rows.map(row =>
     `${row.name}: median ${text_of(row.median)}${row.terms ? `, ${row.terms}` : ''}, from ${text_of(smallest(row.values))} to ${text_of(largest(row.values))}${row.failure ? `, ${row.failure}` : ''}`).join('; ')}`);

@@ -16,8 +16,8 @@ function header(comparison) {
   const parts = [machine.cpu, is_number(machine.cores) && plural(machine.cores, 'core'), is_number(machine.memory_gib) && `${text_of(machine.memory_gib)} GiB`, machine.os, machine.compiler, machine.build, machine.plumbline && `plumbline ${machine.plumbline}`];
   return element('header', {}, element('div', {}, element('h1', {}, element('i', { class: 'bob', 'aria-hidden': 'true' }), 'plumbline compare'), theme_button()),
     element('p', { class: 'lead' }, `${plural(comparison.configurations.length, 'configuration')} on ${plural(comparison.datasets.length, 'data set')}, ${plural(runs.length, 'run')}`,
-      failed > 0 && [', ', element('strong', { class: 'failure' }, `${failed} failed`)], '.'),
-    element('p', { class: 'note machine' }, `Machine: ${parts.filter(Boolean).join(', ') || 'not stated'}. ${plural(comparison.processes, 'process')}`.replace('processs', 'processes') + ' side by side; compare times within this page only.'));
+      failed > 0 && [', ', element('strong', { class: 'failure' }, `${failed} failed`)], comparison.missing > 0 && [', ', element('strong', { class: 'failure' }, `${comparison.missing} missing`)], '.'),
+    element('p', { class: 'note machine' }, `Machine: ${parts.filter(Boolean).join(', ') || 'not stated'}. ${plural(comparison.processes, 'process')}`.replace('processs', 'processes') + ' side by side; compare times within this page only.' + (comparison.machines > 1 ? ` Some runs were made on other machines (${comparison.machines} in all): their times cannot be compared.` : '')));
 }
 
 function main() {
@@ -33,7 +33,7 @@ function main() {
   const worth = name => comparison.groups.filter(group => group.dataset === name && group.ok.length).length + (comparison.truth(name) ? 0.5 : -1e6);
   store.dataset = comparison.datasets.reduce((best, name) => (worth(name) > worth(best) ? name : best));
   comparison.groups.filter(group => group.dataset === store.dataset && group.ok.length)
-    .sort((a, b) => (a.figures.ate ?? Infinity) - (b.figures.ate ?? Infinity)).slice(0, first_chosen).forEach(group => store.choose(group.configuration, true));
+    .sort((a, b) => Math.min(a.figures.ate ?? Infinity, Number.MAX_VALUE) - Math.min(b.figures.ate ?? Infinity, Number.MAX_VALUE)).slice(0, first_chosen).forEach(group => store.choose(group.configuration, true));
 
   const dataset = new DatasetSection(comparison, store);
   const table = new ResultsTable(comparison, store, group => {
@@ -42,7 +42,7 @@ function main() {
     dataset.node.scrollIntoView({ behavior: window.matchMedia('(prefers-reduced-motion: reduce)').matches ? 'auto' : 'smooth' });
   });
   page.append(element('section', { 'aria-labelledby': 'results' }, element('h2', { id: 'results' }, 'Results'),
-    element('p', { class: 'note' }, 'Medians over the repeats that did not fail. Check a box to draw a configuration, choose its name to see it on that data set.'), table.node), dataset.node);
+    element('p', { class: 'note' }, 'Medians over the repeats; a run that failed has an infinite error. Check a box to draw a configuration, choose its name to see it on that data set.'), table.node), dataset.node);
   if (comparison.configurations.length > 1) page.append(new DifferenceSection(comparison, store).node);
 }
 

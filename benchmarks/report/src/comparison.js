@@ -3,11 +3,15 @@ import { largest, median, smallest, is_number } from './figures.js';
 
 export const health_names = ['initializing', 'tracking', 'degraded', 'lost'];
 
+/// Of the processor where it is known: what runs beside it stretches that less.
+export const time_of = run => run.time_ms?.cpu_median ?? run.time_ms?.median;
+
 const distinct = values => [...new Set(values)];
 const group_key = (configuration, dataset) => JSON.stringify([configuration, dataset]);
 
-/// All repeats of one configuration on one data set. `figures` are medians over the runs that did not fail, and the
-/// worst of them; `typical` is the run whose error is nearest to the median.
+/// All repeats of one configuration on one data set. `figures` are medians over the repeats, and the worst of them: a run
+/// that failed has an infinite error and covers nothing, other figures are of those that did not fail. `typical` is the
+/// run whose error is nearest to the median, of those with series of their frames.
 class Group {
   constructor(configuration, dataset, runs) {
     this.configuration = configuration;
@@ -16,15 +20,16 @@ class Group {
     this.ok = this.runs.filter(run => run.status === 'ok');
     this.failed = this.runs.filter(run => run.status !== 'ok');
     const all = get => this.ok.map(run => get(run));
+    const ates = all(run => run.ate?.rmse), has_ate = ates.some(is_number);
+    ates.push(...this.failed.map(() => Infinity));
     this.figures = {
-      ate: median(all(run => run.ate?.rmse)),
-      ate_worst: largest(all(run => run.ate?.rmse)),
+      ate: has_ate ? median(ates) : null,
+      ate_worst: has_ate ? largest(ates) : null,
       rpe: median(all(run => run.rpe_1s?.translation_rmse)),
       rpe_rotation: median(all(run => run.rpe_1s?.rotation_rmse_deg)),
       scale_error: median(all(run => run.scale_error)),
-      coverage: median(all(run => run.coverage)),
-      coverage_worst: smallest(all(run => run.coverage)),
-      time: median(all(run => run.time_ms?.median)),
+      coverage: this.ok.length ? smallest([...all(run => run.coverage), ...this.failed.map(() => 0)]) : null,
+      time: median(all(time_of)),
       time_p99: median(all(run => run.time_ms?.p99)),
       time_max: largest(all(run => run.time_ms?.max)),
       start: median(all(run => run.start_s)),
@@ -33,8 +38,9 @@ class Group {
     this.health = health_names.map(name => this.ok.reduce((sum, run) => sum + (run.health?.[name] ?? 0), 0));
     this.alignment = distinct(all(run => run.alignment).filter(Boolean)).join(', ');
     this.causal = this.ok.length ? this.ok.every(run => run.causal) : null;
-    const distance = run => (is_number(run.ate?.rmse) ? Math.abs(run.ate.rmse - this.figures.ate) : Infinity);
-    this.typical = this.ok.reduce((best, run) => (!best || distance(run) < distance(best) ? run : best), null);
+    const middle = median(all(run => run.ate?.rmse)), whole = this.ok.filter(run => run.frame_series);
+    const distance = run => (is_number(run.ate?.rmse) ? Math.abs(run.ate.rmse - middle) : Infinity);
+    this.typical = (whole.length ? whole : this.ok).reduce((best, run) => (!best || distance(run) < distance(best) ? run : best), null);
   }
 
   /// Reasons of the failures with their number, the most frequent first.
@@ -57,6 +63,8 @@ export class Comparison {
     const runs = data?.runs ?? [];
     this.machine = data?.machine ?? {};
     this.processes = data?.processes ?? 1;
+    this.missing = Math.max(0, (data?.plans ?? []).reduce((sum, plan) => sum + plan.runs, 0) - runs.length);
+    this.machines = 1 + distinct(runs.filter(run => run.machine).map(run => JSON.stringify(run.machine))).length;
     this.runs = runs;
     this.datasets = distinct([...(data?.datasets ?? []).map(each => each.name), ...runs.map(run => run.dataset)]);
     this.configurations = distinct([...(data?.configurations ?? []).map(each => each.name), ...runs.map(run => run.configuration)]);

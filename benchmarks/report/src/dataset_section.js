@@ -8,6 +8,7 @@ import { Viewer } from './viewer.js';
 import { view_of } from './space.js';
 import { Lazy } from './lazy.js';
 import { css_color } from './theme.js';
+import { time_of } from './comparison.js';
 import { is_number, largest, median, text_of } from './figures.js';
 
 const stage_names = ['total', 'track', 'estimate', 'map'];
@@ -124,7 +125,7 @@ export class DatasetSection {
     const health = make('Health', '', chart => this.draw_health(chart));
     health.bar.append(health_legend());
     const ate = make('Error over the repeats', 'half', chart => this.draw_bars(chart, { label: 'ATE', unit: 'm', get: run => run.ate?.rmse, key: 'ate', with_terms: true }));
-    const ms = make('Time over the repeats', 'half', chart => this.draw_bars(chart, { label: 'Time of a frame', unit: 'ms', get: run => run.time_ms?.median, key: 'time' }));
+    const ms = make('Time over the repeats', 'half', chart => this.draw_bars(chart, { label: 'Time of a frame', unit: 'ms', get: time_of, key: 'time' }));
     ate.bar.append(checkbox('all configurations', false, value => { this.options.all = value; ate.lazy.invalidate(); ms.lazy.invalidate(); }));
     return [space, above, error, time, features, health, ate, ms];
   }
@@ -192,7 +193,8 @@ export class DatasetSection {
       name, terms: with_terms ? group.terms : '', color: this.store.style_of(name)?.color ?? css_color('--muted'), values: group.ok.map(get).filter(is_number), median: group.figures[key],
       failure: group.failed.length ? `${group.failed.length} of ${group.runs.length} failed${group.ok.length ? '' : `: ${group.reasons[0][0]}`}` : '',
     }));
-    rows.sort((a, b) => (a.median ?? Infinity) - (b.median ?? Infinity) || a.name.localeCompare(b.name));
+    const rank = row => (is_number(row.median) ? row.median : Number.MAX_VALUE);
+    rows.sort((a, b) => rank(a) - rank(b) || a.name.localeCompare(b.name));
     chart.note.textContent = rows.length ? 'Bar: median. Dots: repeats, each begun one frame later.' : '';
     return bar_chart(chart.place, { label, unit, rows });
   }

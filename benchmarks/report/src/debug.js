@@ -68,7 +68,7 @@ class DebugPage {
   space() {
     if (!this.data.trajectory?.t.length) return element('p', { class: 'note' }, 'This run has no trajectory.');
     this.with_truth = true;
-    const view = view_of([this.data.trajectory], this.data.has_imu), height = window.innerWidth < 700 ? 260 : 320;
+    const view = view_of([this.data.trajectory], this.data.has_imu), height = Math.max(220, Math.min(320, Math.round(0.32 * window.innerHeight)));
     const has_truth = Boolean(this.data.truth?.t.length);
     const controls = has_truth ? [checkbox('truth', true, value => { this.with_truth = value; this.charts.forEach(chart => chart.is_space && chart.lazy.invalidate()); })] : [];
     this.above = this.make('From above', chart => top_view(chart.place, this.axis, this.scene(), view, height));

@@ -131,7 +131,7 @@ export class DifferenceSection {
       return null;
     }
     const better = pairs.filter(([a, b]) => b.ate.rmse < a.ate.rmse).length;
-    chart.note.textContent = `B has the smaller ATE in ${better} of ${pairs.length} repeats; it is ${text_of(median(pairs.map(([a, b]) => b.ate.rmse / a.ate.rmse)))} times that of A in the median. A: ${group_a.terms}. B: ${group_b.terms}.`;
+    chart.note.textContent = `B has the smaller ATE in ${better} of ${pairs.length} repeats; it is ${text_of(median(pairs.map(([a, b]) => b.ate.rmse / Math.max(a.ate.rmse, 1e-12))))} times that of A in the median. A: ${group_a.terms}. B: ${group_b.terms}.`;
     const x = pairs.map((_, i) => i), values = k => pairs.map(pair => pair[k].ate.rmse);
     const bars = (k, color) => ({ label: 'AB'[k], stroke: color, fill: color, paths: uPlot.paths.bars({ size: [0.3, 26], align: k === 0 ? -1 : 1, gap: 1 }), points: { show: false }, value: (u, value) => (is_number(value) ? `${text_of(value)} m` : '') });
     const plot = plot_in(chart.place, {

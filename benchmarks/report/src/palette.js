@@ -1,7 +1,7 @@
-/// Colours that the colour-blind can tell apart (after Okabe and Ito), on white and on black. A seventh line has the
+/// Colours that the colour-blind can tell apart (tests/palette.test.mjs), on white and on black. A seventh line has the
 /// first colour again, dashed.
-export const light = ['#0072b2', '#d55e00', '#009e73', '#b8529a', '#b58900', '#56b4e9'];
-export const dark = ['#3f9bea', '#ff7a33', '#1fc796', '#e08cc4', '#e8c43a', '#a6dcff'];
+export const light = ['#0045c6', '#e59336', '#0d8555', '#d090be', '#873e01', '#31adff'];
+export const dark = ['#3a86f0', '#d8501f', '#1fdc98', '#b8609a', '#fecb2e', '#c0ddf7'];
 const dashes = [[], [8, 4], [2, 3]];
 
 export function style_of(slot, is_dark) {
@@ -9,12 +9,9 @@ export function style_of(slot, is_dark) {
   return { color: colors[slot % colors.length], dash: dashes[Math.floor(slot / colors.length) % dashes.length] };
 }
 
-/// The first slots that nobody has.
+/// The first slot that nobody has.
 export function free_slot(taken) {
   let slot = 0;
   while (taken.includes(slot)) ++slot;
   return slot;
 }
-
-/// Of the time of a frame; the order is that in which the estimator does them.
-export const stages = ['track', 'estimate', 'map'];

@@ -15,8 +15,8 @@ const columns = [
   { name: 'Runs', title: 'Runs that gave figures, of all repeats', value: group => group.ok.length / group.runs.length, numeric: true,
     text: group => (group.failed.length ? `${group.ok.length} of ${group.runs.length}` : `${group.runs.length}`) },
   number('ATE', 'ate', 'm', 'Root mean square of the position error after alignment; median over the repeats'),
-  number('worst', 'ate_worst', 'm', 'The largest ATE of a repeat'),
-  share('Coverage', 'coverage', 'Frames with a pose that was compared, of those that have truth'),
+  number('worst', 'ate_worst', 'm', 'The largest ATE of a repeat; failed, if one failed'),
+  share('Coverage', 'coverage', 'Frames with a pose that was compared, of those that have truth: the least of the repeats, nothing of a failed one'),
   { name: 'Aligned', title: 'Alignment to the truth before errors are taken', value: group => group.alignment, text: group => group.alignment || dash },
   { name: 'Causal', title: 'Each pose is the one published with its frame', value: group => (group.causal === null ? null : Number(group.causal)),
     text: group => (group.causal === null ? dash : group.causal ? 'yes' : 'no') },
@@ -24,8 +24,8 @@ const columns = [
   number('RPE', 'rpe_rotation', 'deg', 'Relative rotation error over one second, root mean square'),
   { name: 'Scale error', title: 'Factor of a free scale, less one', value: group => (is_number(group.figures.scale_error) ? Math.abs(group.figures.scale_error) : null),
     text: group => percent_signed(group.figures.scale_error), numeric: true },
-  number('Time', 'time', 'ms', 'Of a frame: median'),
-  number('p99', 'time_p99', 'ms', 'Of a frame: 99 of 100 take less'),
+  number('Time', 'time', 'ms', 'Of a frame: median, of the processor where that is known'),
+  number('p99', 'time_p99', 'ms', 'Of a frame, by the wall: 99 of 100 take less'),
   number('Start', 'start_s', 's', 'Time of the first pose'),
   { name: 'Health', title: 'Frames initializing, tracking, degraded and lost, and resets, of all repeats', value: group => (group.ok.length ? group.health[1] / Math.max(1, sum(group.health)) : null) },
 ];
@@ -100,7 +100,7 @@ export class ResultsTable {
     return rows.sort((a, b) => {
       const x = value(a), y = value(b);
       if (missing(x) || missing(y)) return Number(missing(x)) - Number(missing(y));  // what is unknown comes last
-      return sign * (typeof x === 'string' ? x.localeCompare(y) : x - y) || a.configuration.localeCompare(b.configuration) || a.dataset.localeCompare(b.dataset);
+      return sign * (typeof x === 'string' ? x.localeCompare(y) : x === y ? 0 : x - y) || a.configuration.localeCompare(b.configuration) || a.dataset.localeCompare(b.dataset);
     });
   }
 

@@ -67,11 +67,16 @@ export class Viewer {
   /// segments: [{ends, color}]}. The camera stays where a reader put it as long as `key` is the same.
   show(scene, view, key) {
     if (!this.renderer) return;
-    for (const child of [...this.content.children]) {
+    const before = [...this.content.children];
+    this.content.clear();
+    this.fill(scene, view, key);
+    for (const child of before) {  // after the new ones have come: their shaders are the same
       child.geometry?.dispose();
       child.material?.dispose();
-      this.content.remove(child);
     }
+  }
+
+  fill(scene, view, key) {
     this.markers = [];
     const box = box_of(scene.paths);
     this.hint.textContent = '';

@@ -4,8 +4,11 @@ import puppeteer from 'puppeteer-core';
 
 export const launch = (flags = []) => puppeteer.launch({
   executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-  args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--force-color-profile=srgb', '--hide-scrollbars', ...flags],
+  args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-accelerated-2d-canvas', '--disable-gpu-rasterization', '--force-color-profile=srgb', '--hide-scrollbars', ...flags],
 });
+
+/// Drawing in space is slow without a graphics card: most tests do without.
+export const launch_flat = () => launch(['--disable-webgl', '--disable-webgl2', '--disable-3d-apis']);
 
 /// Opens a file; `page.complaints` has errors, warnings of the console and all requests but that for the file itself.
 export async function open(browser, file, { width = 1400, height = 900, dark = false, scale = 1 } = {}) {
@@ -27,7 +30,7 @@ export async function open(browser, file, { width = 1400, height = 900, dark = f
 
 /// Until what was asked for is drawn.
 export const settle = page => page.evaluate(() => new Promise(done => {
-  let frames = 6;
+  let frames = 4;
   const next = () => (--frames ? requestAnimationFrame(next) : setTimeout(done, 30));
   requestAnimationFrame(next);
 }));
