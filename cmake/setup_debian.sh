@@ -5,7 +5,7 @@
 set -euo pipefail
 
 packages=(g++ cmake ninja-build libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
-  libyaml-cpp-dev nlohmann-json3-dev libcli11-dev)
+  libjpeg-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev)
 case "${1:-}" in
   program) ;;
   test)
