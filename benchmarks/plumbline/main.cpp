@@ -92,7 +92,7 @@ void add_evaluate(CLI::App& app, EvaluateOptions& options) {
   CLI::App* command =
       app.add_subcommand("evaluate", "Compare a trajectory with the truth (ATE and RPE as evo has them)");
   command->add_option("--reference", options.reference, "True trajectory: TUM, EuRoC or KITTI format")->required();
-  command->add_option("--estimate", options.estimate, "Estimated trajectory")->required();
+  command->add_option("--estimate", options.estimates, "Estimated trajectory, or several")->required();
   command->add_option("--align", options.align, "se3, sim3, posyaw or none")->capture_default_str();
   command->add_option("--max-difference", options.max_difference_s, "Largest time between a pair of poses [s]")
       ->check(number_from(0, 1e9, "s"))
@@ -101,7 +101,8 @@ void add_evaluate(CLI::App& app, EvaluateOptions& options) {
       ->check(number_from(1e-6, 1e9))
       ->capture_default_str();
   command->add_option("--rpe-unit", options.rpe_unit, "s, frames or m")->capture_default_str();
-  command->add_option("--plot", options.plot, "Picture of both trajectories to write, PNG");
+  command->add_option("--plot", options.plot, "Picture of the trajectories to write, PNG or JPEG");
+  command->add_option("--error-plot", options.error_plot, "Picture of the error over time to write, PNG or JPEG");
   command->add_flag("--json", options.json, "Print JSON instead of a table");
 }
 
