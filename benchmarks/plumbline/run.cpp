@@ -128,14 +128,16 @@ int run_configuration(const RunOptions& options) {
     if (debug) debug->add(tally.read() - 1, frame.t_ns, images.gray, output, runner->inspect());
   }
   if (debug) debug->finish(tally.summary());
+  const std::string why =
+      options.dataset.string() + ": " + tally.why_no_pose() +
+      (debug ? "; see " + (options.debug.directory / "report.html").string() : "; --debug DIR shows each of them");
   if (tally.poses() == 0) {
     files.commit_tables();
-    throw std::runtime_error(
-        options.dataset.string() + ": no pose in " + std::to_string(tally.read()) + " frames: " + tally.why_no_pose() +
-        (debug ? "; see " + (options.debug.directory / "report.html").string() : "; --debug DIR shows each of them"));
+    throw std::runtime_error(why);
   }
   if (files.has_landmarks()) files.add_landmarks(runner->landmarks());
   files.commit_all();
+  if (tally.is_mostly_without()) progress.note("plumbline: warning: " + why);
   std::puts(tally.summary().c_str());
   return 0;
 }

@@ -68,6 +68,7 @@ void RunTally::add(const FrameOutput& output, bool is_in_trajectory) {
     resets_ = std::max(resets_, output.estimate.resets);
   }
   if (output.has_sound_pose()) return;
+  ++without_;
   Reason& reason = reasons_[reason_of(output)];
   ++reason.frames;
   if (!output.refused && output.health() == pl::HealthState::initializing) reason.figures = figures_of(output.start);
@@ -86,10 +87,13 @@ std::string RunTally::summary() const {
 }
 
 std::string RunTally::why_no_pose() const {
-  if (skipped_ == read_) return "no image can be used";
+  const std::size_t none = without_ + skipped_;
+  const std::string frames =
+      none == read_ ? format("no pose in %zu frames", none) : format("no sound pose in %zu of %zu frames", none, read_);
+  if (reasons_.empty()) return frames + ": no image can be used";
   const auto longest = std::max_element(reasons_.begin(), reasons_.end(),
                                         [](const auto& a, const auto& b) { return a.second.frames < b.second.frames; });
   const auto& [name, reason] = *longest;
-  return format("%s in %zu of them", name.c_str(), reason.frames) +
+  return frames + format(": %s in %zu of them", name.c_str(), reason.frames) +
          (reason.figures.empty() ? "" : " (" + reason.figures + ")");
 }

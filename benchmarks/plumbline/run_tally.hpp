@@ -21,7 +21,9 @@ class RunTally {
 
   /// Frames by health, resets, times: one line.
   std::string summary() const;
-  /// Of a run without a pose: the reason that stood longest, with its figures.
+  /// Whether more than half of the frames gave no sound pose.
+  bool is_mostly_without() const { return 2 * (without_ + skipped_) > read_; }
+  /// How many frames gave no sound pose, and the reason that stood longest, with its figures.
   std::string why_no_pose() const;
 
  private:
@@ -30,7 +32,7 @@ class RunTally {
     std::string figures;  ///< of the latest frame
   };
 
-  std::size_t read_ = 0, skipped_ = 0, refused_ = 0, poses_ = 0;
+  std::size_t read_ = 0, skipped_ = 0, refused_ = 0, poses_ = 0, without_ = 0;
   std::array<std::size_t, 4> by_health_{};  // in the order of HealthState
   std::uint32_t resets_ = 0;
   std::vector<double> total_ms_;
