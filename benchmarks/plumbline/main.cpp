@@ -149,6 +149,14 @@ void add_starts(CLI::App& app, StartOptions& options) {
       ->check(number_from(0.001, longest_s, "s"));
 }
 
+/// A name that is empty is one that a script has lost.
+void refuse_empty_values(CLI::App& app) {
+  const CLI::Validator is_there([](const std::string& text) { return text.empty() ? "must not be empty" : ""; }, "");
+  for (CLI::App* command : app.get_subcommands(nullptr))
+    for (CLI::Option* option : command->get_options())
+      if (option->get_items_expected_max() > 0) option->check(is_there);
+}
+
 /// What went wrong, in one line.
 int fail(const std::string& text, int status = 1) {
   std::fprintf(stderr, "plumbline: %s\n", plumbline::io::printable(text).c_str());
@@ -172,6 +180,7 @@ int main(int argc, char* argv[]) {
   add_simulate(app, simulate_options);
   add_faults(app, fault_options);
   add_starts(app, start_options);
+  refuse_empty_values(app);
   const auto run_command = [&] {
     if (app.got_subcommand("list")) return list();
     if (app.got_subcommand("run")) return run_configuration(run_options);

@@ -25,7 +25,6 @@ bool is_special(const fs::path& file) {
 void check_outputs(const std::vector<NamedOutput>& outputs, const std::vector<fs::path>& inputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     const NamedOutput& output = outputs[i];
-    if (output.file.empty()) throw std::runtime_error(std::string(output.option) + ": the file has an empty name");
     if (is_special(output.file)) continue;
     for (std::size_t k = 0; k < i; ++k)
       if (are_same(output.file, outputs[k].file))

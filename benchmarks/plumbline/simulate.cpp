@@ -173,8 +173,9 @@ void write_tum(const Recording& recording) {
   const fs::path& out = recording.options.out;
   fs::create_directories(out / "rgb");
   fs::create_directories(out / "depth");
-  const auto [camera, width, height] = rgbd_imager.resized(recording.options.size);
-  recording.film(Imager{camera, width, height}, [&](TimeNs t_ns, SimulatedCamera::Frame& frame) {
+  const auto imager = rgbd_imager.resized(recording.options.size);
+  const auto& camera = imager.camera;
+  recording.film(imager, [&](TimeNs t_ns, SimulatedCamera::Frame& frame) {
     write_image(out / "rgb" / image_name(t_ns), gray_mat(frame));
     write_image(out / "depth" / image_name(t_ns), depth_mat(frame));
   });
@@ -191,7 +192,7 @@ void write_tum(const Recording& recording) {
           "  resolution: [%d, %d]\n  rate_hz: %d\n"
           "depth:\n  scale: 1000                     # metres = value / scale; 0 = no measurement\n"
           "T_body_camera:                  # row-major 4x4, maps camera coordinates into body (= IMU) coordinates\n  ",
-          camera.fx, camera.fy, camera.cx, camera.cy, width, height, camera_rate_hz) +
+          camera.fx, camera.fy, camera.cx, camera.cy, imager.width, imager.height, camera_rate_hz) +
           matrix_rows(simulated_T_body_camera()) +
           (recording.has_imu() ? "imu:\n" + noise_yaml(recording.imu.noise, "  ") : ""));
 
@@ -215,8 +216,9 @@ void write_tum(const Recording& recording) {
 void write_euroc(const Recording& recording) {
   const fs::path mav = recording.options.out / "mav0", images = mav / "cam0" / "data";
   fs::create_directories(images);
-  const auto [camera, width, height] = mono_imager.resized(recording.options.size);
-  recording.film(Imager{camera, width, height}, [&](TimeNs t_ns, SimulatedCamera::Frame& frame) {
+  const auto imager = mono_imager.resized(recording.options.size);
+  const auto& camera = imager.camera;
+  recording.film(imager, [&](TimeNs t_ns, SimulatedCamera::Frame& frame) {
     write_image(images / image_name(t_ns), gray_mat(frame));
   });
 
@@ -240,8 +242,8 @@ void write_euroc(const Recording& recording) {
                  format("rate_hz: %d\nresolution: [%d, %d]\ncamera_model: pinhole\n"
                         "intrinsics: [%g, %g, %g, %g] #fu, fv, cu, cv\ndistortion_model: radial-tangential\n"
                         "distortion_coefficients: [%g, %g, %g, %g]\n",
-                        camera_rate_hz, width, height, camera.fx, camera.fy, camera.cx, camera.cy, lens.k1(), lens.k2(),
-                        lens.p1(), lens.p2()));
+                        camera_rate_hz, imager.width, imager.height, camera.fx, camera.fy, camera.cx, camera.cy,
+                        lens.k1(), lens.k2(), lens.p1(), lens.p2()));
   std::string index = "#timestamp [ns],filename\n";
   for (int i = 0; i < recording.frames; ++i) {
     index += std::to_string(frame_time_ns(i)) + "," + image_name(frame_time_ns(i)) + "\n";
@@ -274,17 +276,20 @@ int run_simulate(const SimulateOptions& options) {
   if (!scene || !trajectory) throw std::runtime_error(unknown_name("scene", options.scene, ::scene_names()));
   if (options.layout != "tum" && options.layout != "euroc")
     throw std::runtime_error(unknown_name("layout", options.layout, layout_names()));
+  if (options.stop_s.size() == 2 && !(options.stop_s[0] < options.stop_s[1]))
+    throw std::runtime_error(format("--stop %g %g: ends before it begins", options.stop_s[0], options.stop_s[1]));
   if (options.stop_s.size() == 2) trajectory->stop(options.stop_s[0], options.stop_s[1]);
   const ImuQuality imu = imu_quality(options.imu);
   constexpr double longest_s = 3600;
   if (!(options.duration_s >= 1.0 / camera_rate_hz && options.duration_s <= longest_s)) {
     throw std::runtime_error(format("duration %g s: must be between one frame and one hour", options.duration_s));
   }
-  if (options.out.empty()) throw std::runtime_error("no output folder given");
   if (fs::exists(options.out) && !(fs::is_directory(options.out) && fs::is_empty(options.out))) {
     throw std::runtime_error(options.out.string() + ": exists and is not an empty folder");
   }
-  fs::create_directories(options.out);
+  std::error_code error;
+  fs::create_directories(options.out, error);
+  if (error) throw std::runtime_error(options.out.string() + ": cannot be made: " + error.message());
   const int frames = static_cast<int>(std::lround(options.duration_s * camera_rate_hz));
   const Recording recording{options, *scene, *trajectory, imu, frames};
   options.layout == "tum" ? write_tum(recording) : write_euroc(recording);

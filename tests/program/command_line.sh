@@ -32,6 +32,10 @@ for wrong in -1 1.5 x; do
 done
 expect_error '--debug-every: "0" is not a whole number from 1' "${run[@]}" --debug folder --debug-every 0
 expect_error '--max-difference: "-1" is not a number from 0' evaluate --reference a --estimate b --max-difference -1
+for option in --config --calibration --debug; do
+  expect_error "$option: must not be empty" "${run[@]}" "$option" ''
+done
+expect_error '--stop 5 3: ends before it begins' simulate --out nowhere --stop 5 3
 expect_error 'no such directory' run --config "$config" --dataset $'a\e[31mb\nc' --trajectory out.tum
 ! grep -q $'\e' err.txt || fail "a control character reached the terminal"
 expect_error 'option "--referense" is unknown.*"--reference"' evaluate --referense a --estimate b

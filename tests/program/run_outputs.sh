@@ -7,8 +7,8 @@ rm -rf ./*
 run=(run --config "$config" --dataset "$recording")
 expect_error 'out.tum: both --trajectory and --timing name this file' "${run[@]}" --trajectory out.tum --timing ./out.tum
 expect_error 'both --timing and --states' "${run[@]}" --trajectory out.tum --timing a.csv --states "$PWD/a.csv"
-expect_error '--trajectory: the file has an empty name' "${run[@]}" --trajectory ''
-expect_error '--states: the file has an empty name' "${run[@]}" --trajectory out.tum --states ''
+expect_error '--trajectory: must not be empty' "${run[@]}" --trajectory ''
+expect_error '--states: must not be empty' "${run[@]}" --trajectory out.tum --states ''
 
 copy_recording mine
 truth=$(md5sum < mine/groundtruth.txt)
