@@ -1,6 +1,6 @@
 #pragma once
-/// What can be known of a recording before the run: do the clocks agree, are the units those that are expected, is there
-/// something to see? Looks at every time stamp and reading, and at a few images.              docs/datasets.md
+/// What can be known of a recording before the run: do the clocks agree, are the units those that are expected, is
+/// there something to see? Looks at every time stamp and reading, and at a few images.            docs/datasets.md
 
 #include <string>
 #include <vector>

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "format.hpp"
 #include "interrupt.hpp"
 #include "plumbline/io/printable.hpp"
 #include "plumbline/io/recording.hpp"
@@ -106,8 +107,8 @@ int run_configuration(const RunOptions& options) {
       continue;
     }
     if (Interruptible::is_asked_to_stop())
-      throw Interrupted("interrupted after " + std::to_string(tally.read()) + " of " +
-                        std::to_string(recording.frame_count()) + " frames; nothing was written");
+      throw Interrupted(format("interrupted after %zu of %zu frames; ", tally.read(), recording.frame_count()) +
+                        (debug ? options.debug.directory.string() + " is incomplete" : "nothing was written"));
     const pl::io::FrameSample& frame = std::get<pl::io::FrameSample>(sample);
     Images images;
     try {

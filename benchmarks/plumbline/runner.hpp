@@ -47,7 +47,6 @@ class Runner {
 /// What a recording must have, or has, beside a camera.
 struct Needs {
   bool depth, imu;
-  bool operator==(const Needs&) const = default;
 };
 
 struct Configuration {

@@ -21,6 +21,6 @@ std::vector<std::string> scene_names();
 std::vector<std::string> imu_names();
 std::vector<std::string> layout_names();
 
-/// Writes the recording and shows its progress on stderr; returns the exit status 0. Throws std::runtime_error that says
-/// what is wrong in one line.
+/// Writes the recording and shows its progress on stderr; returns the exit status 0. Throws std::runtime_error that
+/// says what is wrong in one line.
 int run_simulate(const SimulateOptions& options);

@@ -25,7 +25,7 @@ inline std::size_t utf8_length(std::string_view text) {
   return length;
 }
 
-/// The text with `\n` and the like for its control characters (also those of two bytes) and for bytes that are no UTF-8.
+/// The text with `\n` and the like for its control characters, also those of two bytes, and for what is no UTF-8.
 inline std::string printable(std::string_view text) {
   constexpr std::string_view digits = "0123456789abcdef";
   std::string out;

@@ -1,7 +1,7 @@
 #pragma once
-/// JPEG to 8-bit gray, whole or not at all. A JPEG has no check sum, but where its data is damaged the decoder sooner or
-/// later runs out of step: it meets a code that is none, or has too little or too much left at the end. Libjpeg calls
-/// these warnings and fills the rest with what it has; here they are failures.
+/// JPEG to 8-bit gray, whole or not at all. A JPEG has no check sum, but where its data is damaged the decoder sooner
+/// or later runs out of step: it meets a code that is none, or has too little or too much left at the end. Libjpeg
+/// calls these warnings and fills the rest with what it has; here they are failures.
 
 #include <csetjmp>
 #include <cstddef>
