@@ -13,10 +13,6 @@ namespace pl = plumbline;
 
 namespace {
 
-std::unique_ptr<io::OutputFile> open_output(const std::optional<fs::path>& file) {
-  return file ? std::make_unique<io::OutputFile>(*file) : nullptr;
-}
-
 /// The name, after the check of all of them.
 const fs::path& checked(const RunPaths& paths, const std::vector<fs::path>& inputs) {
   std::vector<NamedOutput> outputs{{"--trajectory", paths.trajectory}};
@@ -51,11 +47,10 @@ std::string cells(bool known, const Vector& values) {
 
 }  // namespace
 
-RunFiles::RunFiles(const RunPaths& paths, const std::vector<fs::path>& inputs)
-    : trajectory_(checked(paths, inputs)),
-      timing_(open_output(paths.timing)),
-      states_(open_output(paths.states)),
-      landmarks_(open_output(paths.landmarks)) {
+RunFiles::RunFiles(const RunPaths& paths, const std::vector<fs::path>& inputs) : trajectory_(checked(paths, inputs)) {
+  if (paths.timing) timing_.emplace(*paths.timing);
+  if (paths.states) states_.emplace(*paths.states);
+  if (paths.landmarks) landmarks_.emplace(*paths.landmarks);
   if (timing_) {
     timing_->stream() << "timestamp_ns,track_ms,estimate_ms,map_ms,total_ms,health,reason,sigma_position_m,"
                          "sigma_rotation_deg\n";
@@ -106,10 +101,10 @@ void RunFiles::add_landmarks(const std::vector<pl::Vec<double, 3>>& points) {
 }
 
 void RunFiles::commit_tables() {
-  for (const auto& file : {timing_.get(), states_.get()})
-    if (file) file->complete();
-  for (const auto& file : {timing_.get(), states_.get()})
-    if (file) file->commit();
+  for (auto* file : {&timing_, &states_})
+    if (*file) (*file)->complete();
+  for (auto* file : {&timing_, &states_})
+    if (*file) (*file)->commit();
 }
 
 void RunFiles::commit_all() {

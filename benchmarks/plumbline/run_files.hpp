@@ -2,7 +2,6 @@
 /// The files that `plumbline run` writes. They appear when the run is over: all of them or none.
 
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -29,8 +28,8 @@ class RunFiles {
   void add_state(plumbline::TimeNs t_ns, const FrameOutput& output, const Inspection& inspection);
   void add_landmarks(const std::vector<plumbline::Vec<double, 3>>& points);
 
-  bool has_states() const { return states_ != nullptr; }
-  bool has_landmarks() const { return landmarks_ != nullptr; }
+  bool has_states() const { return states_.has_value(); }
+  bool has_landmarks() const { return landmarks_.has_value(); }
 
   /// After a run without a pose: what tells of the frames.
   void commit_tables();
@@ -38,5 +37,5 @@ class RunFiles {
 
  private:
   plumbline::io::TrajectoryWriter trajectory_;
-  std::unique_ptr<plumbline::io::OutputFile> timing_, states_, landmarks_;
+  std::optional<plumbline::io::OutputFile> timing_, states_, landmarks_;
 };
