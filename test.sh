@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds everything with warnings as errors, compiles each header alone, runs all tests, and runs the unit tests once
-# more with the address and undefined-behaviour sanitizers. Installs what is missing; may be run again at any time.
+# Builds everything with warnings as errors, compiles each header alone, runs all tests, builds the program of the other
+# presets, and runs the unit tests once more with the address and undefined-behaviour sanitizers. Installs what is missing; may be run again at any time.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
@@ -20,6 +20,14 @@ step "Every header alone"
 cmake --build --preset release --target all_verify_interface_header_sets
 step "Tests"
 run_tests release
+
+step "The program of the other presets, as it is built from source"
+for preset in native debug clang; do
+  quiet cmake --preset "$preset" -B "build/source-$preset" -DPLUMBLINE_TESTS=OFF -DPLUMBLINE_EXAMPLES=OFF \
+    -DPLUMBLINE_CONFIGURATIONS=rgbd/points/window
+  cmake --build "build/source-$preset" --target plumbline_program
+  "build/source-$preset/benchmarks/plumbline/plumbline" list
+done
 
 step "Build of the unit tests with sanitizers"
 quiet cmake --preset asan-ubsan -DPLUMBLINE_WERROR=ON

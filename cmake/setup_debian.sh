@@ -5,13 +5,13 @@
 set -euo pipefail
 
 packages=(g++ cmake ninja-build libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
-  libyaml-cpp-dev nlohmann-json3-dev libcli11-dev)
+  libjpeg-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev)
 case "${1:-}" in
   program) ;;
   test)
     packages+=(catch2 ccache libceres-dev libopencv-calib3d-dev libopencv-video-dev libbenchmark-dev pkg-config
       gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib
-      git shellcheck clang-format-14 clang-tidy-14 python3-jsonschema chromium)
+      git shellcheck clang clang-format-14 clang-tidy-14 python3-jsonschema chromium)
     command -v npm > /dev/null || packages+=(nodejs npm)  # there may be one that is not Debian's
     ;;
   *)

@@ -3,7 +3,7 @@
 #
 #   plumbline::core      the estimator; Eigen only
 #   plumbline::testing   numeric Jacobians, simulated worlds; Eigen only
-#   plumbline::opencv    cv::Mat views, detectors; OpenCV core, imgproc, imgcodecs
+#   plumbline::opencv    cv::Mat views, detectors, images from files; OpenCV core, imgproc, imgcodecs, libjpeg
 #   plumbline::lbd       LBD matching of lines; OpenCV's contributed module line_descriptor and plumbline::opencv
 #   plumbline::io        recordings, calibration, trajectories; yaml-cpp and plumbline::opencv
 
@@ -39,10 +39,11 @@ plumbline_add_target(testing FOLDERS testing LINK plumbline_core)
 
 list(APPEND CMAKE_MODULE_PATH "${PROJECT_SOURCE_DIR}/cmake")
 find_package(OpenCVModules QUIET COMPONENTS core imgproc imgcodecs)
-if(OpenCVModules_FOUND)
+find_package(JPEG QUIET GLOBAL)
+if(OpenCVModules_FOUND AND JPEG_FOUND)
   set(lbd_header "${PROJECT_SOURCE_DIR}/include/plumbline/opencv/lbd_matching.hpp")
   plumbline_add_target(opencv FOLDERS opencv EXCEPT "${lbd_header}"
-    LINK plumbline_core opencv_core opencv_imgproc opencv_imgcodecs)
+    LINK plumbline_core opencv_core opencv_imgproc opencv_imgcodecs JPEG::JPEG)
   find_package(OpenCVModules QUIET COMPONENTS line_descriptor)
   if(TARGET opencv_line_descriptor)
     plumbline_add_target(lbd FILES "${lbd_header}" LINK plumbline_opencv opencv_line_descriptor)

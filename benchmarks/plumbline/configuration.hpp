@@ -18,9 +18,9 @@
 
 namespace pl = plumbline;
 
-inline constexpr std::size_t megapixel = 1280 * 800;                         ///< the largest image
-using MonoCamera = pl::Mono<pl::AnyCamera<double>, megapixel, pl::Rolling>;  // the calibration says how fast, if at all
-using RgbdCamera = pl::Rgbd<pl::AnyCamera<double>, megapixel>;
+inline constexpr std::size_t largest = 1920 * 1200;                        ///< image [px]
+using MonoCamera = pl::Mono<pl::AnyCamera<double>, largest, pl::Rolling>;  // the calibration says how fast, if at all
+using RgbdCamera = pl::Rgbd<pl::AnyCamera<double>, largest>;
 
 /// A camera without depth starts by points.
 template <class Sensors>

@@ -109,7 +109,7 @@ void DebugReport::add_row(std::size_t number, pl::TimeNs t_ns, const FrameOutput
   kinds_.clear();
   for (std::size_t k = 0; k < now.features.size(); ++k) {
     const FeatureInspection& features = now.features[k];
-    const std::string kind = kinds_.emplace_back(features.are_lines ? "lines" : "points") + "_";
+    const std::string kind = kinds_.emplace_back(features.name) + "_";
     frames_.set(kind + "landmarks", static_cast<double>(features.landmarks));
     const std::array<int, mark_states> counts = count_states(marks[k]);
     for (std::size_t i = 0; i < mark_states; ++i) frames_.set(kind + mark_state_names[i], counts[i]);

@@ -64,9 +64,9 @@ class EstimatorRunner final : public Runner {
     if constexpr (Sensors::has_depth) frame.depth = plumbline::opencv::view<std::uint16_t>(depth);
     previous_ns_ = estimator_->latest().t_ns;
     const plumbline::Result<plumbline::Estimate<S>> estimate = estimator_->add_frame(frame);
-    FrameOutput out{to_double(estimator_->latest()), std::nullopt, {}};
+    FrameOutput out{to_double(estimator_->latest()), std::nullopt, {}, estimator_->init_report()};
     out.is_rough = out.estimate.health.reason == plumbline::HealthReason::scale_uncertain &&
-                   estimator_->init_report().stage != plumbline::InitStage::done;
+                   out.start.stage != plumbline::InitStage::done;
     if (estimate)
       out.timing = estimator_->timing();
     else

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "inspection.hpp"
+#include "plumbline/feature/landmark_ties.hpp"
 #include "plumbline/feature/line_kind.hpp"
 #include "plumbline/residual/world_point.hpp"
 
@@ -28,6 +29,7 @@ FeatureInspection inspect_features(const Store& store) {
   using Place = typename Store::Kind::Place;
   FeatureInspection out{};
   out.are_lines = std::is_same_v<Place, plumbline::LineSegment>;
+  out.name = plumbline::HoldsOthers<typename Store::Kind> ? "collinear" : out.are_lines ? "lines" : "points";
   out.landmarks = store.landmarks().size();
   const auto sighting = [](std::uint32_t id, bool located, const Place& place) -> Sighting {
     if constexpr (std::is_same_v<Place, plumbline::LineSegment>)

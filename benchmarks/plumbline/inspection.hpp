@@ -26,6 +26,7 @@ struct Innovation {
 
 /// One kind of features.
 struct FeatureInspection {
+  const char* name;  ///< points, lines or collinear
   bool are_lines;
   std::size_t landmarks;                 ///< in the map
   std::vector<Sighting> seen, rejected;  ///< by the frame; what does not fit its pose is rejected

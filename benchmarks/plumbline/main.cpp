@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <exception>
+#include <new>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -14,13 +15,18 @@
 #include "compare.hpp"
 #include "evaluate.hpp"
 #include "faults.hpp"
+#include "interrupt.hpp"
 #include "nearest.hpp"
+#include "number_range.hpp"
+#include "plumbline/io/printable.hpp"
 #include "run.hpp"
 #include "runner.hpp"
 #include "simulate.hpp"
 #include "starts.hpp"
 
 namespace {
+
+constexpr double longest_s = 1e7;  // four months
 
 /// Throws at the first misspelled command or option, with the name that was probably meant.
 void check_names(const CLI::App& app, std::span<char* const> arguments) {
@@ -44,45 +50,60 @@ void check_names(const CLI::App& app, std::span<char* const> arguments) {
 }
 
 int list() {
-  for (const Configuration& configuration : configurations()) std::puts(configuration.name);
+  for (const Configuration& configuration : configurations()) {
+    const Needs& needs = configuration.needs;
+    const std::string sensors = std::string("camera") + (needs.depth ? ", depth" : "") + (needs.imu ? ", IMU" : "");
+    const bool is_recommended = &configuration == &recommended_for(needs);
+    std::printf("%-34s needs %-20s%s\n", configuration.name, sensors.c_str(),
+                is_recommended ? "recommended for these" : "");
+  }
   return 0;
 }
 
 void add_run(CLI::App& app, RunOptions& options) {
   CLI::App* command = app.add_subcommand("run", "Run one configuration on one recording");
-  command->add_option("--config", options.config, "Configuration, one of `plumbline list`")->required();
+  command->add_option("--config", options.config,
+                      "Configuration, one of `plumbline list`; the one that fits the recording by default");
   command->add_option("--dataset", options.dataset, "Folder of the recording (EuRoC, TUM RGB-D, KITTI)")->required();
-  command->add_option("--trajectory", options.trajectory, "Trajectory to write, TUM format")->required();
-  command->add_option("--timing", options.timing, "Times of each frame to write, CSV");
+  command->add_option("--trajectory", options.files.trajectory, "Trajectory to write, TUM format")->required();
+  command->add_option("--timing", options.files.timing, "Times, health and sigmas of each frame to write, CSV");
+  command->add_option("--states", options.files.states,
+                      "Pose, velocity, biases, covariance and readout time of each frame to write, CSV");
   command->add_flag("--all-poses", options.all_poses, "Poses while lost, and of a rough scale at the start, too");
-  command->add_option("--landmarks", options.landmarks, "Points of the final map to write, PLY");
+  command->add_option("--landmarks", options.files.landmarks, "Points of the final map to write, PLY");
+  command->add_flag("--unchecked", options.is_unchecked, "Run although the recording looks wrong");
   command->add_option("--calibration", options.calibration, "Calibration instead of the recording's own");
   CLI::Option* debug = command->add_option(
       "--debug", options.debug.directory,
       "Folder to make (or empty) for pictures of the frames with their features, tables and report.html");
   command->add_option("--debug-every", options.debug.every, "Pictures of every n-th frame")
-      ->check(CLI::PositiveNumber)
+      ->check(whole_number_from(1, 1e6))
       ->needs(debug);
   command
       ->add_option("--reference", options.debug.reference,
                    "True trajectory for the errors in the debug folder, instead of the recording's own")
       ->needs(debug);
   command->add_option("--start", options.start_s, "Begin this long after the first frame [s]")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--duration", options.duration_s, "Length of the part to run [s]")->check(CLI::PositiveNumber);
+      ->check(number_from(0, longest_s, "s"));
+  command->add_option("--duration", options.duration_s, "Length of the part to run [s]")
+      ->check(number_from(0.001, longest_s, "s"));
 }
 
 void add_evaluate(CLI::App& app, EvaluateOptions& options) {
   CLI::App* command =
       app.add_subcommand("evaluate", "Compare a trajectory with the truth (ATE and RPE as evo has them)");
   command->add_option("--reference", options.reference, "True trajectory: TUM, EuRoC or KITTI format")->required();
-  command->add_option("--estimate", options.estimate, "Estimated trajectory")->required();
+  command->add_option("--estimate", options.estimates, "Estimated trajectory, or several")->required();
   command->add_option("--align", options.align, "se3, sim3, posyaw or none")->capture_default_str();
   command->add_option("--max-difference", options.max_difference_s, "Largest time between a pair of poses [s]")
+      ->check(number_from(0, 1e9, "s"))
       ->capture_default_str();
-  command->add_option("--rpe-delta", options.rpe_delta, "Step of the relative error")->capture_default_str();
+  command->add_option("--rpe-delta", options.rpe_delta, "Step of the relative error")
+      ->check(number_from(1e-6, 1e9))
+      ->capture_default_str();
   command->add_option("--rpe-unit", options.rpe_unit, "s, frames or m")->capture_default_str();
-  command->add_option("--plot", options.plot, "Picture of both trajectories to write, PNG");
+  command->add_option("--plot", options.plot, "Picture of the trajectories to write, PNG or JPEG");
+  command->add_option("--error-plot", options.error_plot, "Picture of the error over time to write, PNG or JPEG");
   command->add_flag("--json", options.json, "Print JSON instead of a table");
 }
 
@@ -91,9 +112,18 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
   command->add_option("--scene", options.scene, "One of: " + CLI::detail::join(scene_names(), ", "))
       ->capture_default_str();
   command->add_option("--out", options.out, "Folder to make")->required();
-  command->add_option("--seed", options.seed, "Of the surfaces, the motion and the noise")->capture_default_str();
-  command->add_option("--duration", options.duration_s, "Length [s]")->capture_default_str();
-  command->add_option("--stop", options.stop_s, "Begin and end of a stop on the way [s]")->expected(2);
+  command->add_option("--seed", options.seed, "Of the surfaces, the motion and the noise")
+      ->check(whole_number_from(0, 1e15))
+      ->capture_default_str();
+  command->add_option("--duration", options.duration_s, "Length [s]")
+      ->check(number_from(0.05, 3600, "s"))
+      ->capture_default_str();
+  command->add_option("--stop", options.stop_s, "Begin and end of a stop on the way [s]")
+      ->check(number_from(0, 3600, "s"))
+      ->expected(2);
+  command->add_option("--size", options.size, "Width and height of the images [px]")
+      ->check(whole_number_from(160, 4096))
+      ->expected(2);
   command->add_option("--imu", options.imu, "One of: " + CLI::detail::join(imu_names(), ", "))->capture_default_str();
   command->add_option("--layout", options.layout, "One of: " + CLI::detail::join(layout_names(), ", "))
       ->capture_default_str();
@@ -104,16 +134,28 @@ void add_faults(CLI::App& app, FaultOptions& options) {
   command->add_option("--config", options.configs, "Configurations")->required();
   command->add_option("--dataset", options.datasets, "Folders of recordings with truth")->required();
   command->add_option("--fault", options.kinds, "Of: " + CLI::detail::join(fault_names(), ", ") + "; all by default");
-  command->add_option("--for", options.durations_s, "Durations of failing images [s]")->capture_default_str();
-  command->add_option("--times", options.times, "Each fault at so many times")->check(CLI::PositiveNumber);
+  command->add_option("--for", options.durations_s, "Durations of failing images [s]")
+      ->check(number_from(0.001, longest_s, "s"))
+      ->capture_default_str();
+  command->add_option("--times", options.times, "Each fault at so many times")->check(whole_number_from(1, 1000));
 }
 
 void add_starts(CLI::App& app, StartOptions& options) {
   CLI::App* command = app.add_subcommand("starts", "How soon and how well runs start, begun at many times");
   command->add_option("--config", options.configs, "Configurations")->required();
   command->add_option("--dataset", options.datasets, "Folders of recordings with truth")->required();
-  command->add_option("--every", options.every_s, "Time between two starts [s]")->check(CLI::PositiveNumber);
-  command->add_option("--duration", options.duration_s, "Length of each run [s]")->check(CLI::PositiveNumber);
+  command->add_option("--every", options.every_s, "Time between two starts [s]")
+      ->check(number_from(0.001, longest_s, "s"));
+  command->add_option("--duration", options.duration_s, "Length of each run [s]")
+      ->check(number_from(0.001, longest_s, "s"));
+}
+
+/// A name that is empty is one that a script has lost.
+void refuse_empty_values(CLI::App& app) {
+  const CLI::Validator is_there([](const std::string& text) { return text.empty() ? "must not be empty" : ""; }, "");
+  for (CLI::App* command : app.get_subcommands(nullptr))
+    for (CLI::Option* option : command->get_options())
+      if (option->get_items_expected_max() > 0) option->check(is_there);
 }
 
 void add_compare(CLI::App& app, CompareOptions& options) {
@@ -128,15 +170,19 @@ void add_compare(CLI::App& app, CompareOptions& options) {
       ->check(CLI::PositiveNumber);
   command->add_option("--shard", options.shard, "I/N: part I of N of the runs, for --merge");
   command->add_option("--merge", options.merge, "Files of comparisons to put together");
-  command->add_option("--start", options.start_s, "Begin this long after the first frame [s]");
-  command->add_option("--duration", options.duration_s, "Length of the part to run [s]");
-  command->add_option("--limit", options.limit_s, "Time after which a run has failed [s]")->capture_default_str();
+  command->add_option("--start", options.start_s, "Begin this long after the first frame [s]")
+      ->check(number_from(0, longest_s, "s"));
+  command->add_option("--duration", options.duration_s, "Length of the part to run [s]")
+      ->check(number_from(0.001, longest_s, "s"));
+  command->add_option("--limit", options.limit_s, "Time after which a run has failed [s]")
+      ->check(number_from(0.001, longest_s, "s"))
+      ->capture_default_str();
 }
 
 /// What went wrong, in one line.
-int fail(const std::string& text) {
-  std::fprintf(stderr, "plumbline: %s\n", text.substr(0, text.find('\n')).c_str());
-  return 1;
+int fail(const std::string& text, int status = 1) {
+  std::fprintf(stderr, "plumbline: %s\n", plumbline::io::printable(text).c_str());
+  return status;
 }
 
 }  // namespace
@@ -144,22 +190,22 @@ int fail(const std::string& text) {
 int main(int argc, char* argv[]) {
   CLI::App app("Visual odometry: estimate, compare, simulate", "plumbline");
   app.require_subcommand(1);
+  app.set_version_flag("--version", "plumbline " PLUMBLINE_VERSION);
   RunOptions run_options;
   EvaluateOptions evaluate_options;
   SimulateOptions simulate_options;
   FaultOptions fault_options;
   StartOptions start_options;
   CompareOptions compare_options;
-  app.add_subcommand("list", "Print the names of the configurations");
+  app.add_subcommand("list", "Print the names of the configurations, and the sensors that each needs");
   add_run(app, run_options);
   add_evaluate(app, evaluate_options);
   add_simulate(app, simulate_options);
   add_faults(app, fault_options);
   add_starts(app, start_options);
   add_compare(app, compare_options);
-  try {
-    check_names(app, {argv, static_cast<std::size_t>(argc)});
-    app.parse(argc, argv);
+  refuse_empty_values(app);
+  const auto run_command = [&] {
     if (app.got_subcommand("list")) return list();
     if (app.got_subcommand("run")) return run_configuration(run_options);
     if (app.got_subcommand("evaluate")) return run_evaluate(evaluate_options);
@@ -167,8 +213,22 @@ int main(int argc, char* argv[]) {
     if (app.got_subcommand("starts")) return run_starts(start_options);
     if (app.got_subcommand("compare")) return run_compare(compare_options);
     return run_simulate(simulate_options);
-  } catch (const CLI::ParseError& error) {
-    return error.get_exit_code() == 0 ? app.exit(error) : fail(error.what());  // 0: --help
+  };
+  try {
+    check_names(app, {argv, static_cast<std::size_t>(argc)});
+    int status = 0;
+    try {
+      app.parse(argc, argv);
+      status = run_command();
+    } catch (const CLI::Success& help) {
+      status = app.exit(help);
+    }
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return fail("stdout: cannot be written (disk full?)");
+    return status;
+  } catch (const Interrupted& interruption) {
+    return fail(interruption.what(), 130);
+  } catch (const std::bad_alloc&) {
+    return fail("out of memory");
   } catch (const std::exception& error) {
     return fail(error.what());
   }

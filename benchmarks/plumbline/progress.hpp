@@ -9,12 +9,16 @@
 #include <string>
 #include <utility>
 
+#include "plumbline/io/printable.hpp"
+
 class Progress {
  public:
   Progress(std::string what, std::size_t total) : what_(std::move(what)), total_(total) {}
 
   /// A line of its own between those of the progress.
-  void note(const std::string& text) { std::fprintf(stderr, "%s%s\n", is_terminal_ ? "\r\033[K" : "", text.c_str()); }
+  void note(const std::string& text) {
+    std::fprintf(stderr, "%s%s\n", is_terminal_ ? "\r\033[K" : "", plumbline::io::printable(text).c_str());
+  }
 
   void show(std::size_t done) {
     const std::size_t percent = total_ == 0 ? 100 : 100 * done / total_;

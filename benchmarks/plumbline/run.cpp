@@ -1,6 +1,5 @@
 #include "run.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
@@ -9,10 +8,13 @@
 #include <vector>
 
 #include "format.hpp"
-#include "plumbline/io/output_file.hpp"
+#include "interrupt.hpp"
+#include "plumbline/io/printable.hpp"
 #include "plumbline/io/recording.hpp"
 #include "plumbline/opencv/image_file.hpp"
 #include "progress.hpp"
+#include "recording_check.hpp"
+#include "run_tally.hpp"
 #include "runner.hpp"
 
 namespace pl = plumbline;
@@ -36,103 +38,107 @@ void require_calibrated_size(const pl::io::FrameSample& frame, const Images& ima
   if (!images.depth.empty()) pl::opencv::require_resolution(images.depth, camera.width, camera.height, *frame.depth);
 }
 
-void write_timing(std::ofstream& out, pl::TimeNs t_ns, const FrameOutput& frame) {
-  char row[192];
-  std::snprintf(row, sizeof row, "%lld,%.4f,%.4f,%.4f,%.4f,", static_cast<long long>(t_ns), 1e3 * frame.timing.track,
-                1e3 * frame.timing.estimate, 1e3 * frame.timing.map, 1e3 * frame.timing.total);
-  out << row << name_of(frame.health()) << '\n';
+void require_sensors(const Configuration& configuration, const pl::io::Recording& recording,
+                     const std::filesystem::path& dataset) {
+  if (configuration.needs.depth && !recording.has_depth())
+    throw std::runtime_error(dataset.string() + ": " + configuration.name +
+                             " needs depth images and the calibration's depth scale");
+  if (configuration.needs.imu && !recording.has_imu())
+    throw std::runtime_error(dataset.string() + ": " + configuration.name +
+                             " needs IMU samples, their noise and T_body_camera");
 }
 
-void write_ply(std::ofstream& out, const std::vector<pl::Vec<double, 3>>& points) {
-  out << "ply\nformat ascii 1.0\nelement vertex " << points.size()
-      << "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
-  for (const pl::Vec<double, 3>& p : points) out << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
+/// Says all that is odd; throws the last of what cannot work, unless the recording is to be taken as it is.
+void require_plausible(const pl::io::Recording& recording, const Needs& needs, bool is_unchecked) {
+  std::string error;
+  const auto say = [](const char* kind, const std::string& text) {
+    std::fprintf(stderr, "plumbline: %s%s\n", kind, pl::io::printable(text).c_str());
+  };
+  for (const Finding& finding : check_recording(recording, needs)) {
+    if (!finding.is_error || is_unchecked) {
+      say("warning: ", finding.text);
+      continue;
+    }
+    if (!error.empty()) say("", error);
+    error = finding.text;
+  }
+  if (!error.empty()) throw std::runtime_error(error);
 }
 
-std::string summary_of(std::size_t read, std::size_t poses, std::size_t skipped, std::size_t refused,
-                       std::vector<double> total_ms) {
-  std::sort(total_ms.begin(), total_ms.end());
-  const double median_ms = total_ms.empty() ? 0 : total_ms[total_ms.size() / 2];
-  const double longest_ms = total_ms.empty() ? 0 : total_ms.back();
-  return format("%zu frames: %zu poses, %zu skipped, %zu refused; median %.2f ms, longest %.2f ms", read, poses,
-                skipped, refused, median_ms, longest_ms);
+std::vector<std::filesystem::path> inputs_of(const pl::io::Recording& recording, const RunOptions& options) {
+  std::vector<std::filesystem::path> inputs = recording.inputs();
+  if (options.debug.reference) inputs.push_back(*options.debug.reference);
+  return inputs;
 }
 
-std::unique_ptr<pl::io::OutputFile> open_output(const std::optional<std::filesystem::path>& file) {
-  return file ? std::make_unique<pl::io::OutputFile>(*file) : nullptr;
+std::optional<DebugReport> open_debug(const RunOptions& options, const Configuration& configuration,
+                                      const pl::io::Recording& recording) {
+  if (options.debug.directory.empty()) return std::nullopt;
+  const pl::io::Trajectory truth =
+      options.debug.reference ? pl::io::read_trajectory(*options.debug.reference)
+                              : recording.read_groundtruth(configuration.needs.imu).value_or(pl::io::Trajectory());
+  return std::make_optional<DebugReport>(options.debug,
+                                         std::string(configuration.name) + " on " + options.dataset.string(), truth);
 }
 
 }  // namespace
 
 int run_configuration(const RunOptions& options) {
-  const Configuration& configuration = configuration_named(options.config);
+  const Configuration* named = options.config.empty() ? nullptr : &configuration_named(options.config);
   pl::io::Recording recording = pl::io::Recording::open(
       options.dataset,
       {.calibration = options.calibration, .start_s = options.start_s, .duration_s = options.duration_s});
-  if (configuration.needs.depth && !recording.has_depth())
-    throw std::runtime_error(options.dataset.string() + ": " + configuration.name +
-                             " needs depth images and the calibration's depth scale");
-  if (configuration.needs.imu && !recording.has_imu())
-    throw std::runtime_error(options.dataset.string() + ": " + configuration.name +
-                             " needs IMU samples, their noise and T_body_camera");
+  const Configuration& configuration = named ? *named : recommended_for({recording.has_depth(), recording.has_imu()});
+  require_sensors(configuration, recording, options.dataset);
 
-  pl::io::TrajectoryWriter trajectory(options.trajectory);
-  const std::unique_ptr<pl::io::OutputFile> timing = open_output(options.timing), ply = open_output(options.landmarks);
-  if (timing) timing->stream() << "timestamp_ns,track_ms,estimate_ms,map_ms,total_ms,health\n";
-
-  std::optional<DebugReport> debug;
-  if (!options.debug.directory.empty()) {
-    debug.emplace(options.debug, options.config + " on " + options.dataset.string(),
-                  options.debug.reference
-                      ? pl::io::read_trajectory(*options.debug.reference)
-                      : recording.read_groundtruth(configuration.needs.imu).value_or(pl::io::Trajectory()));
-  }
+  const Interruptible interruptible;
+  RunFiles files(options.files, inputs_of(recording, options));
+  require_plausible(recording, configuration.needs, options.is_unchecked);
+  if (!named) std::fprintf(stderr, "configuration: %s\n", configuration.name);
+  std::optional<DebugReport> debug = open_debug(options, configuration, recording);
 
   const std::unique_ptr<Runner> runner = configuration.make(recording.calibration());
-  std::size_t read = 0, skipped = 0, refused = 0, poses = 0;
-  std::vector<double> total_ms;
+  RunTally tally;
   Progress progress(configuration.name, recording.frame_count());
   pl::io::Recording::Sample sample;
-  for (; recording.next(sample); progress.show(read)) {
+  for (; recording.next(sample); progress.show(tally.read())) {
     if (const pl::ImuSample* imu = std::get_if<pl::ImuSample>(&sample)) {
       if (configuration.needs.imu) runner->add_imu(*imu);
       continue;
     }
+    if (Interruptible::is_asked_to_stop())
+      throw Interrupted(format("interrupted after %zu of %zu frames; ", tally.read(), recording.frame_count()) +
+                        (debug ? options.debug.directory.string() + " is incomplete" : "nothing was written"));
     const pl::io::FrameSample& frame = std::get<pl::io::FrameSample>(sample);
-    ++read;
     Images images;
     try {
       images = read_images(frame, configuration.needs.depth);
     } catch (const std::runtime_error& damage) {
-      ++skipped;
+      tally.skip();
       progress.note(std::string("skipped: ") + damage.what());
       continue;
     }
-    if (total_ms.empty()) require_calibrated_size(frame, images, recording.calibration().camera);
+    if (tally.is_first()) require_calibrated_size(frame, images, recording.calibration().camera);
     const FrameOutput output = runner->add_frame(frame.t_ns, images.gray, images.depth);
-    if (output.refused) {
-      ++refused;
-      progress.note("refused: " + frame.image.string() + ": " + name_of(*output.refused));
-    }
-    if (options.all_poses ? output.has_pose() : output.has_sound_pose()) {
-      ++poses;
-      trajectory.add({frame.t_ns, output.estimate.T_world_body});
-    }
-    if (timing) write_timing(timing->stream(), frame.t_ns, output);
-    if (debug) debug->add(read - 1, frame.t_ns, images.gray, output, runner->inspect());
-    total_ms.push_back(1e3 * output.timing.total);
+    const bool is_in_trajectory = options.all_poses ? output.has_pose() : output.has_sound_pose();
+    tally.add(output, is_in_trajectory);
+    if (output.refused) progress.note("refused: " + frame.image.string() + ": " + name_of(*output.refused));
+    if (is_in_trajectory) files.add_pose(frame.t_ns, output);
+    files.add_timing(frame.t_ns, output);
+    if (files.has_states()) files.add_state(frame.t_ns, output, runner->inspect());
+    if (debug) debug->add(tally.read() - 1, frame.t_ns, images.gray, output, runner->inspect());
   }
-  const std::string summary = summary_of(read, poses, skipped, refused, total_ms);
-  if (debug) debug->finish(summary);
-  if (poses == 0)
-    throw std::runtime_error(options.dataset.string() + ": no pose in " + std::to_string(read) + " frames");
-
-  trajectory.commit();
-  if (timing) timing->commit();
-  if (ply) {
-    write_ply(ply->stream(), runner->landmarks());
-    ply->commit();
+  if (debug) debug->finish(tally.summary());
+  const std::string why =
+      options.dataset.string() + ": " + tally.why_no_pose() +
+      (debug ? "; see " + (options.debug.directory / "report.html").string() : "; --debug DIR shows each of them");
+  if (tally.poses() == 0) {
+    files.commit_tables();
+    throw std::runtime_error(why);
   }
-  std::puts(summary.c_str());
+  if (files.has_landmarks()) files.add_landmarks(runner->landmarks());
+  files.commit_all();
+  if (tally.is_mostly_without()) progress.note("plumbline: warning: " + why);
+  std::puts(tally.summary().c_str());
   return 0;
 }

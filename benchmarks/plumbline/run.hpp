@@ -7,13 +7,16 @@
 #include <string>
 
 #include "debug_report.hpp"
+#include "run_files.hpp"
 
 struct RunOptions {
-  std::string config;
-  std::filesystem::path dataset, trajectory;
-  std::optional<std::filesystem::path> timing, landmarks, calibration;
-  DebugOptions debug;      ///< without a directory: nothing
-  bool all_poses = false;  ///< lost ones and those of a rough scale, too
+  std::string config;  ///< empty: the one that fits the recording
+  std::filesystem::path dataset;
+  RunPaths files;
+  std::optional<std::filesystem::path> calibration;
+  DebugOptions debug;         ///< without a directory: nothing
+  bool all_poses = false;     ///< lost ones and those of a rough scale, too
+  bool is_unchecked = false;  ///< run although the recording looks wrong
   double start_s = 0;
   double duration_s = std::numeric_limits<double>::infinity();
 };

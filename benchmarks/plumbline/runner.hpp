@@ -1,7 +1,6 @@
 #pragma once
-/// Every configuration of the estimator behind one interface, and the list of them. A configuration is one file in
-/// configs/ and one line in configurations.cpp; each is a translation unit of its own because each is a type of its
-/// own.
+/// Every configuration of the estimator behind one interface, and the list of them (configurations.cmake); each is a
+/// translation unit of its own because each is a type of its own.
 
 #include <cstddef>
 #include <cstdint>
@@ -20,12 +19,14 @@
 #include "plumbline/estimator/estimate.hpp"
 #include "plumbline/imu/sample.hpp"
 #include "plumbline/io/calibration_data.hpp"
+#include "plumbline/start/start_report.hpp"
 #include "plumbline/state/health.hpp"
 
 struct FrameOutput {
   plumbline::Estimate<double> estimate;     ///< the one before of a refused frame
   std::optional<plumbline::Error> refused;  ///< why the frame gave no estimate
   plumbline::FrameTiming timing;            ///< [s]
+  plumbline::InitReport start;              ///< how far it has come, or what keeps it
   bool is_rough = false;                    ///< the pose is in metres that the start has only guessed so far
 
   plumbline::HealthState health() const { return estimate.health.state; }
@@ -63,7 +64,7 @@ class Runner {
   virtual Inspection inspect() const = 0;
 };
 
-/// What a recording must have.
+/// What a recording must have, or has, beside a camera.
 struct Needs {
   bool depth, imu;
 };
@@ -77,3 +78,7 @@ struct Configuration {
 std::span<const Configuration> configurations();
 /// Throws std::runtime_error with the nearest name there is.
 const Configuration& configuration_named(const std::string& name);
+
+/// The one to begin with for a recording that has these: it uses most of them. Throws std::runtime_error where this
+/// program has none.
+const Configuration& recommended_for(const Needs& there);

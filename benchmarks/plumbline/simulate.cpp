@@ -8,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "format.hpp"
+#include "nearest.hpp"
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/camera/radtan.hpp"
 #include "plumbline/io/output_file.hpp"
@@ -37,10 +38,27 @@ const std::array imu_sets = {
     ImuSet{"low-cost", {{1.0e-3, 1.0e-2, 1.0e-4, 5.0e-3, imu_rate_hz}, 0.05, 0.2}},     // consumer MEMS
     ImuSet{"tactical", {{3.5e-5, 2.5e-4, 1.0e-6, 2.0e-5, imu_rate_hz}, 0.001, 0.01}}};  // temperature compensated MEMS
 
-const Pinhole<double> rgbd_camera{536.2, 535.8, 321.4, 245.7};
-constexpr int rgbd_width = 640, rgbd_height = 480;
-const Pinhole<double, RadTan> mono_camera{458.6, 457.4, 367.1, 248.2, {-0.2834, 0.07396, 1.94e-4, 1.76e-5}};
-constexpr int mono_width = 752, mono_height = 480;
+/// A camera and the size of its images [px].
+template <class Model>
+struct Imager {
+  Model camera;
+  int width, height;
+
+  /// The same field of view across, other pixels. An empty size changes nothing.
+  Imager resized(const std::vector<int>& size) const {
+    if (size.empty()) return *this;
+    Imager out{camera, size[0], size[1]};
+    const double sx = double(size[0]) / width, sy = double(size[1]) / height;
+    out.camera.fx *= sx;
+    out.camera.fy *= sx;
+    out.camera.cx = (camera.cx + 0.5) * sx - 0.5;
+    out.camera.cy = (camera.cy + 0.5) * sy - 0.5;
+    return out;
+  }
+};
+const Imager<Pinhole<double>> rgbd_imager{{536.2, 535.8, 321.4, 245.7}, 640, 480};
+const Imager<Pinhole<double, RadTan>> mono_imager{
+    {458.6, 457.4, 367.1, 248.2, {-0.2834, 0.07396, 1.94e-4, 1.76e-5}}, 752, 480};
 
 TimeNs frame_time_ns(int frame) { return t_start_ns + frame * (1'000'000'000 / camera_rate_hz); }
 std::string seconds(TimeNs t_ns) {
@@ -137,9 +155,10 @@ struct Recording {
   InertialText inertial() const { return simulate_imu(trajectory, imu, options.seed, frames * imu_per_frame + 1); }
 
   /// Renders every frame and hands it to `write(time, frame)`.
-  template <CameraModel Camera, class Write>
-  void film(const Camera& camera, int width, int height, Write&& write) const {
-    SimulatedCamera sensor(Renderer(scene, camera, width, height), simulated_T_body_camera(), {}, options.seed);
+  template <class Model, class Write>
+  void film(const Imager<Model>& imager, Write&& write) const {
+    SimulatedCamera sensor(Renderer(scene, imager.camera, imager.width, imager.height), simulated_T_body_camera(), {},
+                           options.seed);
     Progress progress("simulate " + options.scene, static_cast<std::size_t>(frames));
     for (int i = 0; i < frames; ++i) {
       SimulatedCamera::Frame frame =
@@ -154,7 +173,9 @@ void write_tum(const Recording& recording) {
   const fs::path& out = recording.options.out;
   fs::create_directories(out / "rgb");
   fs::create_directories(out / "depth");
-  recording.film(rgbd_camera, rgbd_width, rgbd_height, [&](TimeNs t_ns, SimulatedCamera::Frame& frame) {
+  const auto imager = rgbd_imager.resized(recording.options.size);
+  const auto& camera = imager.camera;
+  recording.film(imager, [&](TimeNs t_ns, SimulatedCamera::Frame& frame) {
     write_image(out / "rgb" / image_name(t_ns), gray_mat(frame));
     write_image(out / "depth" / image_name(t_ns), depth_mat(frame));
   });
@@ -171,7 +192,7 @@ void write_tum(const Recording& recording) {
           "  resolution: [%d, %d]\n  rate_hz: %d\n"
           "depth:\n  scale: 1000                     # metres = value / scale; 0 = no measurement\n"
           "T_body_camera:                  # row-major 4x4, maps camera coordinates into body (= IMU) coordinates\n  ",
-          rgbd_camera.fx, rgbd_camera.fy, rgbd_camera.cx, rgbd_camera.cy, rgbd_width, rgbd_height, camera_rate_hz) +
+          camera.fx, camera.fy, camera.cx, camera.cy, imager.width, imager.height, camera_rate_hz) +
           matrix_rows(simulated_T_body_camera()) +
           (recording.has_imu() ? "imu:\n" + noise_yaml(recording.imu.noise, "  ") : ""));
 
@@ -195,7 +216,9 @@ void write_tum(const Recording& recording) {
 void write_euroc(const Recording& recording) {
   const fs::path mav = recording.options.out / "mav0", images = mav / "cam0" / "data";
   fs::create_directories(images);
-  recording.film(mono_camera, mono_width, mono_height, [&](TimeNs t_ns, SimulatedCamera::Frame& frame) {
+  const auto imager = mono_imager.resized(recording.options.size);
+  const auto& camera = imager.camera;
+  recording.film(imager, [&](TimeNs t_ns, SimulatedCamera::Frame& frame) {
     write_image(images / image_name(t_ns), gray_mat(frame));
   });
 
@@ -213,14 +236,14 @@ void write_euroc(const Recording& recording) {
                "a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n" +
                    inertial.imu);
   }
-  const RadTan<double>& lens = mono_camera.distortion;
+  const RadTan<double>& lens = camera.distortion;
   write_text(mav / "cam0" / "sensor.yaml",
              "sensor_type: camera\n" + pose_yaml(simulated_T_body_camera()) +
                  format("rate_hz: %d\nresolution: [%d, %d]\ncamera_model: pinhole\n"
                         "intrinsics: [%g, %g, %g, %g] #fu, fv, cu, cv\ndistortion_model: radial-tangential\n"
                         "distortion_coefficients: [%g, %g, %g, %g]\n",
-                        camera_rate_hz, mono_width, mono_height, mono_camera.fx, mono_camera.fy, mono_camera.cx,
-                        mono_camera.cy, lens.k1(), lens.k2(), lens.p1(), lens.p2()));
+                        camera_rate_hz, imager.width, imager.height, camera.fx, camera.fy, camera.cx, camera.cy,
+                        lens.k1(), lens.k2(), lens.p1(), lens.p2()));
   std::string index = "#timestamp [ns],filename\n";
   for (int i = 0; i < recording.frames; ++i) {
     index += std::to_string(frame_time_ns(i)) + "," + image_name(frame_time_ns(i)) + "\n";
@@ -228,38 +251,11 @@ void write_euroc(const Recording& recording) {
   write_text(mav / "cam0" / "data.csv", index);  // last: what makes the folder a recording
 }
 
-[[noreturn]] void throw_unknown(const char* kind, const std::string& name, const std::vector<std::string>& known) {
-  std::string text = std::string("unknown ") + kind + " '" + name + "'; known:";
-  for (const std::string& each : known) text += " " + each;
-  throw std::runtime_error(text);
-}
-
 ImuQuality imu_quality(const std::string& name) {
   for (const ImuSet& set : imu_sets) {
     if (name == set.name) return set.quality;
   }
-  throw_unknown("IMU", name, imu_names());
-}
-
-void simulate(const SimulateOptions& options) {
-  const std::optional<Scene> scene = make_scene(options.scene, options.seed);
-  std::optional<Trajectory> trajectory = Trajectory::for_scene(options.scene, options.seed);
-  if (!scene || !trajectory) throw_unknown("scene", options.scene, ::scene_names());
-  if (options.layout != "tum" && options.layout != "euroc") throw_unknown("layout", options.layout, layout_names());
-  if (options.stop_s.size() == 2) trajectory->stop(options.stop_s[0], options.stop_s[1]);
-  const ImuQuality imu = imu_quality(options.imu);
-  constexpr double longest_s = 3600;
-  if (!(options.duration_s >= 1.0 / camera_rate_hz && options.duration_s <= longest_s)) {
-    throw std::runtime_error(format("duration %g s: must be between one frame and one hour", options.duration_s));
-  }
-  if (options.out.empty()) throw std::runtime_error("no output folder given");
-  if (fs::exists(options.out) && !(fs::is_directory(options.out) && fs::is_empty(options.out))) {
-    throw std::runtime_error(options.out.string() + ": exists and is not an empty folder");
-  }
-  fs::create_directories(options.out);
-  const int frames = static_cast<int>(std::lround(options.duration_s * camera_rate_hz));
-  const Recording recording{options, *scene, *trajectory, imu, frames};
-  options.layout == "tum" ? write_tum(recording) : write_euroc(recording);
+  throw std::runtime_error(unknown_name("IMU", name, imu_names()));
 }
 
 }  // namespace
@@ -275,11 +271,27 @@ std::vector<std::string> imu_names() {
 std::vector<std::string> layout_names() { return {"tum", "euroc"}; }
 
 int run_simulate(const SimulateOptions& options) {
-  try {
-    simulate(options);
-    return 0;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "plumbline simulate: %s\n", error.what());
-    return 1;
+  const std::optional<Scene> scene = make_scene(options.scene, options.seed);
+  std::optional<Trajectory> trajectory = Trajectory::for_scene(options.scene, options.seed);
+  if (!scene || !trajectory) throw std::runtime_error(unknown_name("scene", options.scene, ::scene_names()));
+  if (options.layout != "tum" && options.layout != "euroc")
+    throw std::runtime_error(unknown_name("layout", options.layout, layout_names()));
+  if (options.stop_s.size() == 2 && !(options.stop_s[0] < options.stop_s[1]))
+    throw std::runtime_error(format("--stop %g %g: ends before it begins", options.stop_s[0], options.stop_s[1]));
+  if (options.stop_s.size() == 2) trajectory->stop(options.stop_s[0], options.stop_s[1]);
+  const ImuQuality imu = imu_quality(options.imu);
+  constexpr double longest_s = 3600;
+  if (!(options.duration_s >= 1.0 / camera_rate_hz && options.duration_s <= longest_s)) {
+    throw std::runtime_error(format("duration %g s: must be between one frame and one hour", options.duration_s));
   }
+  if (fs::exists(options.out) && !(fs::is_directory(options.out) && fs::is_empty(options.out))) {
+    throw std::runtime_error(options.out.string() + ": exists and is not an empty folder");
+  }
+  std::error_code error;
+  fs::create_directories(options.out, error);
+  if (error) throw std::runtime_error(options.out.string() + ": cannot be made: " + error.message());
+  const int frames = static_cast<int>(std::lround(options.duration_s * camera_rate_hz));
+  const Recording recording{options, *scene, *trajectory, imu, frames};
+  options.layout == "tum" ? write_tum(recording) : write_euroc(recording);
+  return 0;
 }

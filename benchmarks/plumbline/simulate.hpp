@@ -12,6 +12,7 @@ struct SimulateOptions {
   std::uint64_t seed = 1;       ///< of the surfaces, the motion and the noise
   double duration_s = 20;       ///< [s]; 20 frames each second
   std::vector<double> stop_s;   ///< begin and end of a stop on the way [s]; empty: none
+  std::vector<int> size;        ///< width and height of the images [px]; empty: those of the layout
   std::string imu = "default";  ///< one of imu_names(): the quality of the sensor
   std::string layout = "tum";   ///< one of layout_names(): tum (RGB-D) or euroc (one distorted gray camera)
 };
@@ -20,5 +21,6 @@ std::vector<std::string> scene_names();
 std::vector<std::string> imu_names();
 std::vector<std::string> layout_names();
 
-/// Writes the recording and shows its progress on stderr. 0 on success; else one line on stderr says what is wrong.
+/// Writes the recording and shows its progress on stderr; returns the exit status 0. Throws std::runtime_error that
+/// says what is wrong in one line.
 int run_simulate(const SimulateOptions& options);

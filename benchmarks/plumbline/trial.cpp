@@ -4,6 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "plumbline/io/printable.hpp"
 #include "plumbline/io/recording.hpp"
 #include "plumbline/opencv/image_file.hpp"
 #include "truth_comparison.hpp"
@@ -19,7 +20,7 @@ LoadedRecording load_recording(const std::filesystem::path& directory, const Nee
   require(!needs.imu || recording.has_imu(), "IMU samples with their noise and T_body_camera");
   const auto truth = recording.read_groundtruth(needs.imu);
   require(truth.has_value(), "true trajectory");
-  LoadedRecording out{directory.filename().string(), recording.calibration(), *truth, {}};
+  LoadedRecording out{pl::io::printable(directory.filename().string()), recording.calibration(), *truth, {}};
   pl::io::Recording::Sample sample;
   while (recording.next(sample)) {
     if (const auto* imu = std::get_if<pl::ImuSample>(&sample)) {

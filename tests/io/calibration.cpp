@@ -144,7 +144,8 @@ TEST_CASE("calibration: stated full scales of the IMU, and the usual ones") {
   const TemporaryDirectory directory;
   const auto camera = directory.write("camchain.yaml", kalibr);
   REQUIRE(small(read_calibration(camera, directory.write("imu.yaml", kalibr_imu + stated))));
-  require_error(plain + "  gyroscope_full_scale: 0\n", 21, "imu.gyroscope_full_scale must be positive");
+  require_error(plain + "  gyroscope_full_scale: 0\n", 21,
+                "imu.gyroscope_full_scale must be from 0.1 to 1000 rad/s, is 0");
 }
 
 TEST_CASE("calibration: a stated readout time, and none") {
@@ -222,11 +223,47 @@ TEST_CASE("calibration: numbers that cannot be") {
   require_error(replaced(plain, "[640, 480]", "[320, 240]"), 6, "does not contain the principal point (320, 240)");
   require_error(replaced(replaced(plain, "320, 240]", "320, 500]"), "[640, 480]", "[640, 480]"), 6, "principal point");
   require_error(replaced(euroc, "[752, 480]", "[300, 752]"), 12, "principal point");
-  require_error(replaced(plain, "rate_hz: 30", "rate_hz: 0"), 7, "camera.rate_hz must be positive");
-  require_error(replaced(plain, "scale: 5000", "scale: -1"), 9, "depth.scale must be positive");
-  require_error(replaced(plain, "density: 1e-4", "density: 0"), 17, "imu.gyroscope_noise_density must be positive");
+  require_error(replaced(plain, "rate_hz: 30", "rate_hz: 0"), 7, "camera.rate_hz must be from 0.01 to 10000 Hz, is 0");
+  require_error(replaced(plain, "scale: 5000", "scale: -1"), 9, "depth.scale must be from 1 to 1e+06 units per metre");
+  require_error(replaced(plain, "density: 1e-4", "density: 0"), 17, "imu.gyroscope_noise_density must be from");
   require_error(replaced(plain, "walk: 4e-3", "walk: .inf"), 20, "not a finite number");
   require_error(replaced(plain, "0.002, 0.3]", "0.002, 0.3, 0.1]"), 5, "4 or 5 values");
+}
+
+TEST_CASE("calibration: numbers beyond everything there is") {
+  require_error(replaced(plain, "[500.0,", "[1e30,"), 3, "a focal length of 1e+30 px; must be from 1 to 100000 px");
+  require_error(replaced(plain, "-0.2, 0.001", "-1e9, 0.001"), 5, "a value of -1e+09; must be from -1e+06 to 1e+06");
+  require_error(replaced(plain, "rate_hz: 30", "rate_hz: 1e9"), 7, "camera.rate_hz must be from 0.01 to 10000 Hz");
+  require_error(replaced(plain, "rate_hz: 30", "time_offset_s: 1e10"), 7,
+                "camera.time_offset_s must be from -3600 to 3600 s, is 1e10");
+  require_error(replaced(plain, "scale: 5000", "scale: 0.001"), 9, "depth.scale must be from 1 to 1e+06");
+  require_error(replaced(plain, "0, 0, 1, 0.1", "0, 0, 1, 1e300"), 11, "a translation of 1e+300 m");
+  require_error(replaced(plain, "density: 3e-3", "density: 1e300"), 19,
+                "imu.accelerometer_noise_density must be from 1e-07 to 10 m/s^2/sqrt(Hz), is 1e300");
+  require_error(replaced(plain, "walk: 2e-5", "walk: 1e-300"), 18, "imu.gyroscope_random_walk must be from");
+  require_error(replaced(plain, "rate_hz: 200", "rate_hz: 1e9"), 16, "imu.rate_hz must be from 1 to 100000 Hz");
+  require_error(replaced(kalibr, "timeshift_cam_imu: 0.012", "timeshift_cam_imu: 1e5"), 14, "from -3600 to 3600 s");
+}
+
+TEST_CASE("calibration: aliases that contain themselves, or make much of little") {
+  require_error(replaced(plain, "[500.0, 501, 320, 240]", "&a [500, 501, 320, *a]"), 3, "camera.intrinsics");
+  require_error(replaced(plain, "[500.0, 501, 320, 240]", "&a [[500, 501], *a]"), 3, "nested deeper");
+  std::string levels = "comment:\n  - &l0 [1, 1, 1, 1, 1, 1, 1, 1, 1]\n";
+  for (int i = 1; i < 10; ++i) {
+    const std::string alias = "*l" + std::to_string(i - 1);
+    levels += "  - &l" + std::to_string(i) + " [" + alias;
+    for (int k = 0; k < 8; ++k) levels += ", " + alias;
+    levels += "]\n";
+  }
+  const auto with = [&](const char* alias) {
+    return levels + replaced(euroc.substr(euroc.find("T_BS")), "[458.654, 457.296, 367.215, 248.375]", alias);
+  };
+  require_error(with("*l9"), 9, "intrinsics is nested deeper than the rows of a matrix");
+  require_error(with("[*l0, *l0, *l0, *l0, *l0, *l0, *l0, *l0, *l0, *l0, *l0, *l0]"), 2, "has more than 100 numbers");
+}
+
+TEST_CASE("calibration: control characters do not reach the terminal") {
+  require_error(replaced(plain, "model: pinhole", "model: \"pin\\e[31m\""), 2, "is \"pin\\x1b[31m\"");
 }
 
 TEST_CASE("calibration: a swapped resolution is named") {

@@ -37,6 +37,34 @@ TEST_CASE("output_file: without commit nothing is left") {
   REQUIRE(std::filesystem::is_empty(directory.path()));
 }
 
+TEST_CASE("output_file: a file of the same name with .part is somebody else's") {
+  const TemporaryDirectory directory;
+  const auto file = directory.path() / "out.txt", mine = directory.write("out.txt.part", "mine");
+  { OutputFile(file).stream() << "half"; }
+  REQUIRE(text_of(mine) == "mine");
+  OutputFile out(file);
+  out.stream() << "whole";
+  out.commit();
+  REQUIRE((text_of(file) == "whole" && text_of(mine) == "mine"));
+  REQUIRE(std::distance(std::filesystem::directory_iterator(directory.path()), {}) == 2);
+}
+
+TEST_CASE("output_file: complete, but not yet under its name") {
+  const TemporaryDirectory directory;
+  const auto file = directory.path() / "out.txt";
+  {
+    OutputFile out(file);
+    out.stream() << "whole";
+    out.complete();
+    REQUIRE(!std::filesystem::exists(file));
+  }
+  REQUIRE(std::filesystem::is_empty(directory.path()));
+}
+
+TEST_CASE("output_file: no name") {
+  REQUIRE(message_of([] { OutputFile{""}; }) == "an output has an empty name");
+}
+
 TEST_CASE("output_file: what cannot be written is named") {
   const TemporaryDirectory directory;
   const auto missing = directory.path() / "missing" / "out.txt";
@@ -60,6 +88,7 @@ TEST_CASE("output_file: a device stays one") {
   if (!std::filesystem::is_character_file(device)) return;
   OutputFile out(device);
   out.stream() << "lost";
+  REQUIRE(says(message_of([&] { out.complete(); }), device, 0, "disk full"));
   REQUIRE(says(message_of([&] { out.commit(); }), device, 0, "disk full"));
   REQUIRE(std::filesystem::is_character_file(device));
 }

@@ -1,5 +1,6 @@
 #include "plumbline/io/recording.hpp"
 
+#include <algorithm>
 #include <string>
 #include <variant>
 #include <vector>
@@ -84,6 +85,18 @@ TEST_CASE("recording: TUM, merged in order of time with one IMU sample beyond ea
   REQUIRE((std::get<ImuSample>(sample).t_ns == 9980000000 && std::get<ImuSample>(sample).gyro.z() == 2));
   REQUIRE(std::get<ImuSample>(sample).accel.z() == 9.81);
   REQUIRE(recording.frames()[1].depth->filename() == "1.png");
+}
+
+TEST_CASE("recording: all that it consists of") {
+  const TemporaryDirectory directory;
+  write_tum(directory);
+  const auto own = directory.write("own.yaml", camera + imu);
+  const auto inputs = Recording::open(directory.path(), {.calibration = own}).inputs();
+  for (const char* name : {"rgb.txt", "depth.txt", "imu.csv", "own.yaml", "rgb/3.png", "depth/0.png"}) {
+    CAPTURE(name);
+    REQUIRE(std::count(inputs.begin(), inputs.end(), directory.path() / name) == 1);
+  }
+  REQUIRE(std::count(inputs.begin(), inputs.end(), directory.path() / "calibration.yaml") == 0);
 }
 
 TEST_CASE("recording: a part of it") {

@@ -54,6 +54,21 @@ TEST_CASE("text: rows know their line; comments, blank lines and carriage return
   REQUIRE(!row.next());
 }
 
+TEST_CASE("text: times whose differences would not fit") {
+  const TemporaryDirectory directory;
+  const auto file = directory.write("times.txt", "4000000000\n-4000000001\n9223372036\n9223372036854775807\n");
+  RowReader row(file);
+  REQUIRE(row.next());
+  REQUIRE(row.time_in_seconds() == TimeNs{4'000'000'000'000'000'000});
+  for (const int line : {2, 3}) {
+    REQUIRE(row.next());
+    REQUIRE(
+        says(message_of([&] { row.time_in_seconds(); }), file, line, "is more than 126 years from the clock's zero"));
+  }
+  REQUIRE(row.next());
+  REQUIRE(says(message_of([&] { row.time_in_nanoseconds(); }), file, 4, "is more than 126 years"));
+}
+
 TEST_CASE("text: files that cannot be read") {
   const TemporaryDirectory directory;
   REQUIRE(

@@ -48,6 +48,26 @@ TEST_CASE("trajectory_evaluation: too little in common is said") {
   for (StampedPose& pose : late) pose.t_ns += 3'600'000'000'000;
   REQUIRE(message_of([&] { evaluate_trajectory(helix(0, 5), late, {}); }).find("do their clocks agree?") !=
           std::string::npos);
-  REQUIRE(message_of([&] { evaluate_trajectory(helix(0, 5), helix(0, 0.1), {}); }).find("cannot align 2 pairs") !=
+  REQUIRE(message_of([&] { evaluate_trajectory(helix(0, 0.1), helix(0, 0.1), {}); }).find("cannot align 2 pairs") !=
           std::string::npos);
+}
+
+TEST_CASE("trajectory_evaluation: a few pairs of many poses are not judged") {
+  const Trajectory long_run = helix(0, 454);
+  const std::string few = message_of([&] { evaluate_trajectory(long_run, helix(453.8, 900), {}); });
+  REQUIRE(few.find("3 of 4463 poses have a partner among the reference's 4541: too few to judge") != std::string::npos);
+  const std::string short_run = message_of([&] { evaluate_trajectory(long_run, helix(0, 0.2), {}); });
+  REQUIRE(short_run.find("3 of 3 poses have a partner among the reference's 4541: too few") != std::string::npos);
+  REQUIRE(evaluate_trajectory(long_run, helix(0, 2), {}).pairs == 21);      // a short part of a long truth
+  REQUIRE(evaluate_trajectory(helix(0, 0.4), helix(0, 4), {}).pairs == 5);  // a truth of a part
+}
+
+TEST_CASE("trajectory_evaluation: the error of each pair, and the poses without one") {
+  Trajectory estimate = helix(0, 9.9);
+  for (const StampedPose& pose : helix(20, 20.4)) estimate.push_back(pose);
+  estimate[40].T_world_body = SE3<double>(estimate[40].T_world_body.rotation(), Vec<double, 3>(0, 0, 90));
+  const Evaluation e = evaluate_trajectory(helix(0, 9.9), estimate, {.alignment = Alignment::none});
+  REQUIRE((e.poses == 105 && e.pairs == 100 && e.errors.size() == 100));
+  REQUIRE((e.errors[40].t_ns == 4'000'000'000 && e.errors[40].position_m == e.ape.translation.max));
+  REQUIRE((e.errors[41].position_m < 1e-12 && e.errors[40].position_m > 80));
 }

@@ -1,5 +1,7 @@
 #include "plumbline/opencv/image_file.hpp"
 
+#include <sys/stat.h>
+
 #include <fstream>
 #include <string>
 #include <vector>
@@ -61,8 +63,23 @@ TEST_CASE("image_file: corrupt and empty files, no files") {
   REQUIRE(says(message_of([&] { read_gray(corrupt); }), corrupt, 0, "not an image that can be decoded"));
   REQUIRE(says(message_of([&] { read_gray(empty); }), empty, 0, "the file is empty"));
   REQUIRE(says(message_of([&] { read_gray(text); }), text, 0, "not an image that can be decoded"));
-  REQUIRE(says(message_of([&] { read_gray(directory.path()); }), directory.path(), 0, "cannot be opened"));
+  REQUIRE(says(message_of([&] { read_gray(directory.path()); }), directory.path(), 0, "not a regular file"));
   REQUIRE(says(message_of([] { read_gray("/nowhere.png"); }), "/nowhere.png", 0, "cannot be opened"));
+}
+
+TEST_CASE("image_file: a pipe is no image, and is not waited for") {
+  const TemporaryDirectory directory;
+  const auto pipe = directory.path() / "pipe.png";
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  REQUIRE(says(message_of([&] { read_gray(pipe); }), pipe, 0, "not a regular file"));
+}
+
+TEST_CASE("image_file: a JPEG damaged in the middle is refused") {
+  const TemporaryDirectory directory;
+  std::string bytes = encoded(ramp<std::uint8_t>(CV_8U), ".jpg");
+  bytes.erase(bytes.size() / 2 + bytes.size() / 4, 100);
+  const auto file = directory.write("a.jpg", bytes);
+  REQUIRE(says(message_of([&] { read_gray(file); }), file, 0, "the image is damaged"));
 }
 
 TEST_CASE("image_file: depth must be 16-bit, images of the calibrated size") {

@@ -3,22 +3,43 @@
 # shellcheck source=tests/program/expect.sh
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 
-"$plumbline" list | grep -qx "$config" || fail "list does not name $config"
-"$plumbline" list | grep -qx rgbd-inertial-vio || fail "list does not name the published system"
+"$plumbline" list > list.txt
+grep -q "^$config  *needs camera, depth " list.txt || fail "list does not name $config and what it needs"
+grep -q '^rgbd-inertial-vio  *needs camera, depth, IMU' list.txt || fail "list does not name the published system"
+[[ $(grep -c 'recommended for these$' list.txt) == 4 ]] || fail "list recommends: $(grep recommended list.txt)"
+[[ $("$plumbline" --version) =~ ^plumbline\ [0-9]+\.[0-9]+\.[0-9]+$ ]] || fail "--version: $("$plumbline" --version)"
 "$plumbline" --help > /dev/null || fail "--help"
 "$plumbline" run --help | grep -q -- --trajectory || fail "run --help"
 
 expect_error 'command' ""
 expect_error 'command "rum" is unknown.*"run"' rum
+expect_error 'command "frobnicate" is unknown, known are .*list.*simulate' frobnicate
+expect_error 'option "--zzz" is unknown, known are .*--config' run --zzz
 expect_error 'option "--trajektory" is unknown.*"--trajectory"' run --config "$config" --trajektory out.tum
 expect_error 'option "--cofnig" is unknown.*"--config"' run --cofnig="$config"
 expect_error '--trajectory is required' run --config "$config" --dataset "$recording"
 expect_error 'configuration "rgbd/point/window" is unknown.*"rgbd/points/window"' \
   run --config rgbd/point/window --dataset "$recording" --trajectory out.tum
-expect_error '--duration' run --config "$config" --dataset "$recording" --trajectory out.tum --duration -1
-expect_error '--start' run --config "$config" --dataset "$recording" --trajectory out.tum --start soon
+run=(run --config "$config" --dataset "$recording" --trajectory out.tum)
+for wrong in 0 -1 abc nan inf 1e300 ''; do
+  expect_error "--duration: \"$wrong\" is not a number from 0.001 to 10000000 s" "${run[@]}" --duration "$wrong"
+done
+for wrong in -1 soon nan inf; do
+  expect_error "--start: \"$wrong\" is not a number from 0 to 10000000 s" "${run[@]}" --start "$wrong"
+done
+for wrong in -1 1.5 x; do
+  expect_error "--seed: \"$wrong\" is not a whole number from 0 to 1" simulate --out nowhere --seed "$wrong"
+done
+expect_error '--debug-every: "0" is not a whole number from 1' "${run[@]}" --debug folder --debug-every 0
+expect_error '--max-difference: "-1" is not a number from 0' evaluate --reference a --estimate b --max-difference -1
+for option in --config --calibration --debug; do
+  expect_error "$option: must not be empty" "${run[@]}" "$option" ''
+done
+expect_error '--stop 5 3: ends before it begins' simulate --out nowhere --stop 5 3
+expect_error 'no such directory' run --config "$config" --dataset $'a\e[31mb\nc' --trajectory out.tum
+! grep -q $'\e' err.txt || fail "a control character reached the terminal"
 expect_error 'option "--referense" is unknown.*"--reference"' evaluate --referense a --estimate b
 expect_error 'missing.txt' evaluate --reference missing.txt --estimate missing.txt
-expect_error 'lobby' simulate --scene lobby --out nowhere
+expect_error 'scene "lobby" is unknown, known are .*room' simulate --scene lobby --out nowhere
 [[ ! -e out.tum && ! -e nowhere ]] || fail "files were left behind"
 finish

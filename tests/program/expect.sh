@@ -22,6 +22,15 @@ expect_error() {
   grep -qE -- "$pattern" err.txt || fail "$*: \"$(cat err.txt)\" does not match \"$pattern\""
 }
 
+# expect_failure PATTERN ARGUMENT...: the same of work that had begun: the last line matches.
+expect_failure() {
+  local pattern=$1 status=0
+  shift
+  "$plumbline" "$@" > out.txt 2> err.txt || status=$?
+  [[ $status == 1 ]] || fail "$*: status $status instead of 1"
+  tail -n 1 err.txt | grep -qE -- "$pattern" || fail "$*: \"$(tail -n 1 err.txt)\" does not match \"$pattern\""
+}
+
 # A copy of the recording that a test may damage.
 copy_recording() {
   rm -rf "$1"

@@ -13,6 +13,17 @@
 
 namespace plumbline::io::detail {
 
+// Wider than anything there is: what lies outside is a slip of unit or of the pen.
+inline constexpr Range focal_range{1, 1e5, " px"};
+inline constexpr Range distortion_range{-1e6, 1e6};
+inline constexpr Range frame_rate_range{0.01, 1e4, " Hz"}, imu_rate_range{1, 1e5, " Hz"};
+inline constexpr Range depth_scale_range{1, 1e6, " units per metre"};
+inline constexpr Range time_offset_range{-3600, 3600, " s"};
+inline constexpr Range lever_range{-100, 100, " m"};
+inline constexpr Range gyro_density_range{1e-8, 1, " rad/s/sqrt(Hz)"}, accel_density_range{1e-7, 10, " m/s^2/sqrt(Hz)"};
+inline constexpr Range gyro_walk_range{1e-10, 1, " rad/s^2/sqrt(Hz)"}, accel_walk_range{1e-9, 10, " m/s^3/sqrt(Hz)"};
+inline constexpr Range gyro_full_scale_range{0.1, 1e3, " rad/s"}, accel_full_scale_range{1, 1e4, " m/s^2"};
+
 inline std::string text_of(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
@@ -30,6 +41,9 @@ inline SE3<double> rigid_transform(const YamlMap& map, const char* key) {
   if (!(deviation < 1e-3))
     map.fail(key, "has no rotation: its 3x3 block is not orthonormal (off by " + text_of(deviation) + ")");
   if (!(R.determinant() > 0)) map.fail(key, "has no rotation: its 3x3 block is a reflection (determinant -1)");
+  for (int i = 0; i < 3; ++i)
+    if (!lever_range.contains(T(i, 3)))
+      map.fail(key, "has a translation of " + text_of(T(i, 3)) + " m; must be " + lever_range.text());
   return SE3<double>(SO3<double>::from_matrix(R), T.topRightCorner<3, 1>());
 }
 
@@ -51,6 +65,9 @@ inline void check_projection(const CameraCalibration& camera, const YamlMap& map
     map.fail(intrinsics_key, "must have " + std::to_string(expected) + " values, has " + std::to_string(v.size()));
   if (!(v[0] > 0 && v[1] > 0))
     map.fail(intrinsics_key, "has focal lengths that are not positive: " + text_of(v[0]) + ", " + text_of(v[1]));
+  for (const double f : {v[0], v[1]})
+    if (!focal_range.contains(f))
+      map.fail(intrinsics_key, "has a focal length of " + text_of(f) + " px; must be " + focal_range.text());
   const double cx = v[2], cy = v[3];
   const auto inside = [&](int w, int h) { return cx > 0 && cx < w && cy > 0 && cy < h; };
   if (!inside(camera.width, camera.height)) {
@@ -70,6 +87,9 @@ inline void check_distortion(CameraCalibration& camera, const YamlMap& map, cons
   const auto drop_zeros_above = [&](std::size_t n) {
     while (k.size() > n && k.back() == 0) k.pop_back();
   };
+  for (const double value : k)
+    if (!distortion_range.contains(value))
+      map.fail(key, "has a value of " + text_of(value) + "; must be " + distortion_range.text());
   const std::string has = ", has " + std::to_string(k.size());
   if (camera.distortion == "none") {
     drop_zeros_above(0);
@@ -96,14 +116,14 @@ inline void set_resolution(CameraCalibration& camera, const YamlMap& map, const 
 
 /// The four noise densities and, where stated, the full scales; `rate_key` differs between the formats.
 inline void set_imu(Calibration& out, const YamlMap& map, const char* rate_key) {
-  out.imu = ImuNoise{.gyro_density = map.positive("gyroscope_noise_density"),
-                     .accel_density = map.positive("accelerometer_noise_density"),
-                     .gyro_walk = map.positive("gyroscope_random_walk"),
-                     .accel_walk = map.positive("accelerometer_random_walk"),
-                     .rate_hz = map.positive(rate_key)};
+  out.imu = ImuNoise{.gyro_density = map.number("gyroscope_noise_density", gyro_density_range),
+                     .accel_density = map.number("accelerometer_noise_density", accel_density_range),
+                     .gyro_walk = map.number("gyroscope_random_walk", gyro_walk_range),
+                     .accel_walk = map.number("accelerometer_random_walk", accel_walk_range),
+                     .rate_hz = map.number(rate_key, imu_rate_range)};
   ImuBufferOptions& limits = out.imu_limits;
-  limits.gyro_full_scale = map.positive_or("gyroscope_full_scale", limits.gyro_full_scale);
-  limits.accel_full_scale = map.positive_or("accelerometer_full_scale", limits.accel_full_scale);
+  limits.gyro_full_scale = map.number_or("gyroscope_full_scale", gyro_full_scale_range, limits.gyro_full_scale);
+  limits.accel_full_scale = map.number_or("accelerometer_full_scale", accel_full_scale_range, limits.accel_full_scale);
 }
 
 }  // namespace plumbline::io::detail

@@ -26,10 +26,10 @@ inline Calibration read_plain(const YamlMap& root) {
   if (camera.distortion != "none" || map.has("distortion_coefficients"))
     camera.distortion_coefficients = map.numbers("distortion_coefficients");
   set_resolution(camera, map, "resolution");
-  camera.rate_hz = map.positive_or("rate_hz", 0);
+  camera.rate_hz = map.number_or("rate_hz", frame_rate_range, 0);
   check_projection(camera, map, "intrinsics", "resolution");
   check_distortion(camera, map, map.has("distortion_coefficients") ? "distortion_coefficients" : "model");
-  if (map.has("time_offset_s")) out.camera_time_offset_s = map.number("time_offset_s");
+  if (map.has("time_offset_s")) out.camera_time_offset_s = map.number("time_offset_s", time_offset_range);
   if (map.has("readout_s")) {
     camera.readout_s = map.number("readout_s");
     if (!(*camera.readout_s >= 0 && *camera.readout_s < 0.2)) map.fail("readout_s", "must be from 0 to 0.2 seconds");
@@ -37,7 +37,7 @@ inline Calibration read_plain(const YamlMap& root) {
   if (root.has("depth")) {
     const YamlMap depth = root.map("depth");
     depth.allow_only({"scale"});
-    out.depth_scale = depth.positive("scale");
+    out.depth_scale = depth.number("scale", depth_scale_range);
   }
   if (root.has("imu")) {
     const YamlMap imu = root.map("imu");
@@ -60,7 +60,7 @@ inline Calibration read_euroc_camera(const YamlMap& root) {
   camera.distortion = distortion_name(root, "distortion_model");
   camera.distortion_coefficients = root.numbers("distortion_coefficients");
   set_resolution(camera, root, "resolution");
-  camera.rate_hz = root.positive_or("rate_hz", 0);
+  camera.rate_hz = root.number_or("rate_hz", frame_rate_range, 0);
   check_projection(camera, root, "intrinsics", "resolution");
   check_distortion(camera, root, "distortion_coefficients");
   out.T_body_camera = rigid_transform(root, "T_BS");
@@ -89,7 +89,7 @@ inline Calibration read_kalibr_camera(const YamlMap& root) {
   check_projection(camera, map, "intrinsics", "resolution");
   check_distortion(camera, map, camera.distortion == "none" ? "distortion_model" : "distortion_coeffs");
   if (map.has("T_cam_imu")) out.T_body_camera = rigid_transform(map, "T_cam_imu").inverse();
-  if (map.has("timeshift_cam_imu")) out.camera_time_offset_s = map.number("timeshift_cam_imu");
+  if (map.has("timeshift_cam_imu")) out.camera_time_offset_s = map.number("timeshift_cam_imu", time_offset_range);
   return out;
 }
 
@@ -113,7 +113,7 @@ inline Calibration read_opencv(const YamlMap& root) {
   camera.intrinsics = {K[0], K[4], K[2], K[5]};
   camera.width = root.positive_integer("image_width");
   camera.height = root.positive_integer("image_height");
-  camera.rate_hz = root.positive_or("rate_hz", 0);
+  camera.rate_hz = root.number_or("rate_hz", frame_rate_range, 0);
   const bool fisheye = root.has("fisheye_model") && root.number("fisheye_model") != 0;
   camera.distortion = root.has("distortion_model") ? distortion_name(root, "distortion_model")
                       : fisheye                    ? "equidistant"
@@ -121,7 +121,7 @@ inline Calibration read_opencv(const YamlMap& root) {
   camera.distortion_coefficients = root.matrix("distortion_coefficients");
   check_projection(camera, root, "camera_matrix", "image_width");
   check_distortion(camera, root, "distortion_coefficients");
-  out.depth_scale = root.positive_or("depth_scale", 0);
+  out.depth_scale = root.number_or("depth_scale", depth_scale_range, 0);
   if (root.has("imu")) set_imu(out, root.map("imu"), "rate_hz");
   if (root.has("T_body_camera") || out.imu) out.T_body_camera = rigid_transform(root, "T_body_camera");
   return out;

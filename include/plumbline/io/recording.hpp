@@ -39,6 +39,7 @@ class Recording {
   static Recording open(const std::filesystem::path& directory) { return open(directory, Options{}); }
 
   Layout layout() const { return files_.layout; }
+  const RecordingFiles& files() const { return files_; }
   const Calibration& calibration() const { return calibration_; }
   std::size_t frame_count() const { return files_.frames.size(); }
   const std::vector<FrameSample>& frames() const { return files_.frames; }
@@ -46,6 +47,9 @@ class Recording {
   /// Samples and everything needed to use them: noise and the camera's pose in the body.
   bool has_imu() const { return !files_.imu.empty() && calibration_.imu && calibration_.T_body_camera; }
   bool has_depth() const { return files_.has_depth && calibration_.depth_scale > 0; }
+
+  /// Every file that was read or will be: index files, calibration, truth, images.
+  std::vector<std::filesystem::path> inputs() const;
 
   /// The next item, false after the last frame. Before each frame come all IMU samples up to its time and the first one
   /// at or after it, so that the estimator can interpolate to the image's time; the stream begins with the last IMU
@@ -81,7 +85,8 @@ inline Recording Recording::open(const std::filesystem::path& directory, const O
   Recording out;
   out.files_ = read_layout(directory);
   RecordingFiles& files = out.files_;
-  const std::filesystem::path calibration = options.calibration.value_or(files.calibration);
+  if (options.calibration) files.calibration = *options.calibration;
+  const std::filesystem::path& calibration = files.calibration;
   if (!std::filesystem::exists(calibration))
     throw ReadError(calibration, 0, "no such file: the recording has no calibration of its own, name one");
   out.calibration_ = read_calibration(calibration);
@@ -102,6 +107,18 @@ inline Recording Recording::open(const std::filesystem::path& directory, const O
   const auto after = std::upper_bound(files.imu.begin(), files.imu.end(), files.frames.front().t_ns,
                                       [](TimeNs t, const ImuSample& sample) { return t < sample.t_ns; });
   if (after != files.imu.begin()) files.imu.erase(files.imu.begin(), after - 1);
+  return out;
+}
+
+inline std::vector<std::filesystem::path> Recording::inputs() const {
+  std::vector<std::filesystem::path> out{files_.frame_index, files_.calibration};
+  for (const auto& file :
+       {files_.depth_index, files_.imu_index, files_.imu_calibration, files_.body_truth, files_.camera_truth})
+    if (file) out.push_back(*file);
+  for (const FrameSample& frame : files_.frames) {
+    out.push_back(frame.image);
+    if (frame.depth) out.push_back(*frame.depth);
+  }
   return out;
 }
 

@@ -31,8 +31,8 @@ struct RecordingFiles {
   std::vector<FrameSample> frames;
   std::vector<ImuSample> imu;
   bool has_depth = false;
-  std::filesystem::path calibration;
-  std::optional<std::filesystem::path> imu_calibration, body_truth, camera_truth;
+  std::filesystem::path frame_index, calibration;
+  std::optional<std::filesystem::path> depth_index, imu_index, imu_calibration, body_truth, camera_truth;
 };
 
 namespace detail {
@@ -90,9 +90,11 @@ inline RecordingFiles read_euroc(const Path& root) {
   const Path mav = root / "mav0";
   RecordingFiles out;
   out.layout = Layout::euroc;
-  out.frames = read_image_index(mav / "cam0/data.csv", mav / "cam0/data", true);
+  out.frame_index = mav / "cam0/data.csv";
+  out.frames = read_image_index(out.frame_index, mav / "cam0/data", true);
   out.calibration = mav / "cam0/sensor.yaml";
-  if (const std::optional<Path> imu = if_exists(mav / "imu0/data.csv")) out.imu = read_imu_samples(*imu, true);
+  out.imu_index = if_exists(mav / "imu0/data.csv");
+  if (out.imu_index) out.imu = read_imu_samples(*out.imu_index, true);
   out.imu_calibration = if_exists(mav / "imu0/sensor.yaml");
   out.body_truth = if_exists(mav / "state_groundtruth_estimate0/data.csv");
   return out;
@@ -101,12 +103,13 @@ inline RecordingFiles read_euroc(const Path& root) {
 inline RecordingFiles read_tum(const Path& root) {
   RecordingFiles out;
   out.layout = Layout::tum;
-  out.frames = read_image_index(root / "rgb.txt", root, false);
-  if (const std::optional<Path> depth = if_exists(root / "depth.txt")) {
-    associate_depth(out.frames, read_image_index(*depth, root, false));
-    out.has_depth = true;
-  }
-  if (const std::optional<Path> imu = if_exists(root / "imu.csv")) out.imu = read_imu_samples(*imu, false);
+  out.frame_index = root / "rgb.txt";
+  out.frames = read_image_index(out.frame_index, root, false);
+  out.depth_index = if_exists(root / "depth.txt");
+  if (out.depth_index) associate_depth(out.frames, read_image_index(*out.depth_index, root, false));
+  out.has_depth = out.depth_index.has_value();
+  out.imu_index = if_exists(root / "imu.csv");
+  if (out.imu_index) out.imu = read_imu_samples(*out.imu_index, false);
   out.calibration = root / "calibration.yaml";
   out.camera_truth = if_exists(root / "groundtruth.txt");
   out.body_truth = if_exists(root / "groundtruth_body.csv");
@@ -117,7 +120,8 @@ inline RecordingFiles read_tum(const Path& root) {
 inline RecordingFiles read_kitti(const Path& root) {
   RecordingFiles out;
   out.layout = Layout::kitti;
-  for (RowReader row(root / "times.txt"); row.next();) {
+  out.frame_index = root / "times.txt";
+  for (RowReader row(out.frame_index); row.next();) {
     row.require_size(1);
     const TimeNs t = row.time_in_seconds();
     require_increasing(row, out.frames, t);
@@ -129,7 +133,7 @@ inline RecordingFiles read_kitti(const Path& root) {
     if (!image) row.fail("the image " + stem.string() + ".png (or .jpg) does not exist");
     out.frames.push_back({t, *image, std::nullopt});
   }
-  if (out.frames.empty()) throw ReadError(root / "times.txt", 0, "has no times");
+  if (out.frames.empty()) throw ReadError(out.frame_index, 0, "has no times");
   out.calibration = root / "calibration.yaml";
   out.camera_truth = if_exists(root / "poses.txt");
   return out;

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -71,7 +72,7 @@ inline std::optional<TimeNs> parse_seconds(std::string_view text) {
     digits.resize(digits.size() - dropped);
   }
   const std::optional<TimeNs> t = parse<TimeNs>(digits.empty() ? "0" : digits);
-  if (!t || *t == INT64_MAX) return std::nullopt;
+  if (!t || *t == std::numeric_limits<TimeNs>::max()) return std::nullopt;
   return (negative ? -1 : 1) * (*t + round_up);
 }
 
@@ -108,12 +109,15 @@ class RowReader {
       fail("column " + std::to_string(i + 1) + ": \"" + std::string(fields_[i]) + "\" is not a finite number");
     return *value;
   }
-  TimeNs time_in_seconds() const { return time(parse_seconds(fields_[0])); }
-  TimeNs time_in_nanoseconds() const { return time(parse<TimeNs>(fields_[0])); }
+  TimeNs time_in_seconds() const { return time(parse_seconds(fields_[0]), "in seconds"); }
+  TimeNs time_in_nanoseconds() const { return time(parse<TimeNs>(fields_[0]), "in whole nanoseconds"); }
 
  private:
-  TimeNs time(std::optional<TimeNs> t) const {
-    if (!t) fail("\"" + std::string(fields_[0]) + "\" is not a time stamp");
+  TimeNs time(std::optional<TimeNs> t, const char* unit) const {
+    constexpr TimeNs farthest_ns = 4'000'000'000'000'000'000;  // differences stay within 64 bits
+    if (!t) fail("\"" + std::string(fields_[0]) + "\" is not a time stamp " + unit);
+    if (*t < -farthest_ns || *t > farthest_ns)
+      fail("the time stamp " + std::string(fields_[0]) + " is more than 126 years from the clock's zero");
     return *t;
   }
 

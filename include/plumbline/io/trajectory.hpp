@@ -111,6 +111,7 @@ class TrajectoryWriter {
     file_.stream() << row;
   }
 
+  void complete() { file_.complete(); }
   void commit() { file_.commit(); }
 
  private:

@@ -5,6 +5,7 @@
 /// position only (gravity is observed), C = sum (p_ref - mu_ref)(p_est - mu_est)^T and mu the means:
 ///   R = Rz(atan2(C_10 - C_01, C_00 + C_11)),  t = mu_ref - R mu_est                                         (1)
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string_view>
@@ -25,9 +26,10 @@ struct PosePair {
 /// Each pose of the estimate with the reference's nearest in time, at most `max_difference_s` away, each used once.
 inline std::vector<PosePair> associate(const Trajectory& reference, const Trajectory& estimate,
                                        double max_difference_s) {
+  constexpr double longest_s = 8e9;  // beyond any two times
+  const TimeNs max_difference_ns = std::llround(std::min(max_difference_s, longest_s) * 1e9);
   std::vector<PosePair> pairs;
-  for (const auto& [i, j] :
-       associate_times(times_of(estimate), times_of(reference), std::llround(max_difference_s * 1e9)))
+  for (const auto& [i, j] : associate_times(times_of(estimate), times_of(reference), max_difference_ns))
     pairs.push_back({estimate[i].t_ns, reference[j].T_world_body, estimate[i].T_world_body});
   return pairs;
 }

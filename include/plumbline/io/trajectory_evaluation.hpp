@@ -22,13 +22,21 @@ struct EvaluationSettings {
   DeltaUnit rpe_unit = DeltaUnit::seconds;
 };
 
+/// How far one pose is from the truth.
+struct StampedError {
+  TimeNs t_ns;  ///< of the estimate
+  double position_m;
+};
+
 struct Evaluation {
+  std::size_t poses = 0;     ///< of the estimate
   std::size_t pairs = 0;     ///< poses of the estimate that have one of the reference
   double coverage = 0;       ///< share of the reference's seconds in which there is at least one pair
   double path_length_m = 0;  ///< along the reference's poses of the pairs
   double scale = 1;          ///< of the Sim(3) alignment, whichever alignment was asked for; NaN where it has none
   PoseError ape, rpe;
-  Trajectory aligned;  ///< the whole estimate in the reference's world
+  std::vector<StampedError> errors;  ///< of the pairs, aligned
+  Trajectory aligned;                ///< the whole estimate in the reference's world
 };
 
 /// The share of the reference's seconds (0-1 s, 1-2 s ... after its first pose, those without a pose left out) in which
@@ -43,6 +51,13 @@ inline double coverage(const Trajectory& reference, const std::vector<PosePair>&
   return static_cast<double>(covered.size()) / static_cast<double>(all.size());
 }
 
+/// Whether so few pairs say anything of two trajectories: two of a hundred that there could be, and where they are not
+/// even ten, one of ten of the longer one.
+inline bool are_enough(std::size_t pairs, std::size_t reference, std::size_t estimate) {
+  if (50 * pairs < std::min(reference, estimate)) return false;
+  return pairs >= 10 || 10 * pairs >= std::max(reference, estimate);
+}
+
 /// Throws std::runtime_error when the two have too little in common.
 inline Evaluation evaluate_trajectory(const Trajectory& reference, const Trajectory& estimate,
                                       const EvaluationSettings& settings) {
@@ -50,6 +65,10 @@ inline Evaluation evaluate_trajectory(const Trajectory& reference, const Traject
   if (pairs.empty())
     throw std::runtime_error("no pose of the estimate is within " + std::to_string(settings.max_difference_s) +
                              " s of one of the reference: do their clocks agree?");
+  if (!are_enough(pairs.size(), reference.size(), estimate.size()))
+    throw std::runtime_error(std::to_string(pairs.size()) + " of " + std::to_string(estimate.size()) +
+                             " poses have a partner among the reference's " + std::to_string(reference.size()) +
+                             ": too few to judge; do the clocks agree, and is the estimate complete?");
   const std::optional<Sim3<double>> alignment = align(pairs, settings.alignment);
   if (!alignment)
     throw std::runtime_error("cannot align " + std::to_string(pairs.size()) +
@@ -57,6 +76,7 @@ inline Evaluation evaluate_trajectory(const Trajectory& reference, const Traject
   const std::optional<Sim3<double>> similarity = align(pairs, Alignment::sim3);
 
   Evaluation out;
+  out.poses = estimate.size();
   out.pairs = pairs.size();
   out.coverage = coverage(reference, pairs);
   out.scale = similarity ? similarity->scale() : std::nan("");
@@ -65,6 +85,7 @@ inline Evaluation evaluate_trajectory(const Trajectory& reference, const Traject
   for (PosePair& pair : pairs) pair.estimate = aligned(*alignment, pair.estimate);
   for (std::size_t i = 1; i < pairs.size(); ++i)
     out.path_length_m += (pairs[i].reference.p() - pairs[i - 1].reference.p()).norm();
+  for (const PosePair& pair : pairs) out.errors.push_back({pair.t_ns, (pair.reference.p() - pair.estimate.p()).norm()});
   out.ape = absolute_error(pairs);
   switch (settings.rpe_unit) {
     case DeltaUnit::seconds: out.rpe = relative_error_over_time(reference, out.aligned, settings.rpe_delta); break;

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <initializer_list>
-#include <numeric>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,24 +14,23 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "plumbline/io/nearest.hpp"
 #include "plumbline/io/text.hpp"
 
 namespace plumbline::io {
 
-/// Levenshtein distance: insertions, deletions and replacements that turn `a` into `b`.
-inline std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] != b[j]);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
-    }
+/// What a number may be, both ends included.
+struct Range {
+  double low, high;
+  const char* unit = "";  ///< with a blank before it
+
+  bool contains(double value) const { return value >= low && value <= high; }  // not NaN
+  std::string text() const {
+    char out[96];
+    std::snprintf(out, sizeof out, "from %g to %g%s", low, high, unit);
+    return out;
   }
-  return row.back();
-}
+};
 
 class YamlMap {
  public:
@@ -74,20 +73,28 @@ class YamlMap {
     return child.Scalar();
   }
   double number(const char* key) const { return number(required(key), key); }
-  double positive(const char* key) const {
+  double number(const char* key, const Range& range) const {
     const double value = number(key);
-    if (!(value > 0)) fail(key, "must be positive, is " + text(key));
+    if (!range.contains(value)) fail(key, "must be " + range.text() + ", is " + text(key));
     return value;
   }
-  double positive_or(const char* key, double otherwise) const { return has(key) ? positive(key) : otherwise; }
+  double number_or(const char* key, const Range& range, double otherwise) const {
+    return has(key) ? number(key, range) : otherwise;
+  }
   int positive_integer(const char* key) const { return positive_integer(required(key), key); }
 
-  /// A list of numbers; nested lists (rows of a matrix) are read row by row.
+  /// A list of numbers, or of such lists: the rows of a matrix.
   std::vector<double> numbers(const char* key) const {
     std::vector<double> out;
     const YAML::Node list = required(key);
     if (!list.IsSequence()) fail(list, name(key) + " must be a list of numbers");
-    append(list, key, out);
+    for (const YAML::Node& row : list) {
+      if (!row.IsSequence()) {
+        append(row, key, out);
+        continue;
+      }
+      for (const YAML::Node& item : row) append(item, key, out);
+    }
     return out;
   }
   /// A matrix as `{rows, cols, data}` (EuRoC, OpenCV) or as a plain list.
@@ -103,16 +110,6 @@ class YamlMap {
   }
 
  private:
-  /// The known key nearest to a misspelled one; all of them when none is near.
-  static std::string suggestion(std::string_view key, std::initializer_list<std::string_view> known) {
-    const std::string_view nearest = *std::min_element(
-        known.begin(), known.end(), [&](auto a, auto b) { return edit_distance(key, a) < edit_distance(key, b); });
-    if (edit_distance(key, nearest) <= key.size() / 2) return "did you mean \"" + std::string(nearest) + "\"?";
-    std::string list;
-    for (const std::string_view each : known) list += (list.empty() ? "" : ", ") + std::string(each);
-    return "known are " + list;
-  }
-
   YamlMap(const std::filesystem::path& file, const YAML::Node& node, const std::string& prefix)
       : file_(file), node_(node), prefix_(prefix) {}
 
@@ -138,14 +135,11 @@ class YamlMap {
       fail(scalar, name(key) + " must be a positive whole number, is " + scalar.Scalar());
     return static_cast<int>(value);
   }
-  void append(const YAML::Node& list, const char* key, std::vector<double>& out) const {
-    for (const YAML::Node& item : list) {
-      if (item.IsSequence()) {
-        append(item, key, out);
-      } else {
-        out.push_back(number(item, key));
-      }
-    }
+  void append(const YAML::Node& item, const char* key, std::vector<double>& out) const {
+    constexpr std::size_t most = 100;  // of a calibration; aliases can make any number of a few lines
+    if (item.IsSequence()) fail(item, name(key) + " is nested deeper than the rows of a matrix");
+    if (out.size() == most) fail(item, name(key) + " has more than " + std::to_string(most) + " numbers");
+    out.push_back(number(item, key));
   }
 
   std::filesystem::path file_;

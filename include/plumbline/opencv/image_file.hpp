@@ -13,6 +13,8 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "plumbline/opencv/jpeg.hpp"
+
 namespace plumbline::opencv {
 
 namespace detail {
@@ -42,13 +44,19 @@ inline bool is_complete(std::string_view bytes) {
 
 /// `flags` are those of cv::imread; pixels stay where the sensor had them, whatever the file says of its orientation.
 inline cv::Mat read_image(const std::filesystem::path& file, int flags) {
+  const std::filesystem::file_status status = std::filesystem::status(file);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))  // a pipe would not answer
+    throw std::runtime_error(file.string() + ": not a regular file");
   std::ifstream stream(file, std::ios::binary);
-  if (!stream || !std::filesystem::is_regular_file(file))
-    throw std::runtime_error(file.string() + ": cannot be opened");
+  if (!stream) throw std::runtime_error(file.string() + ": cannot be opened");
   std::string bytes{std::istreambuf_iterator<char>(stream), {}};
   if (bytes.empty()) throw std::runtime_error(file.string() + ": the file is empty");
   if (!is_complete(bytes)) throw std::runtime_error(file.string() + ": the image is cut off");
   cv::Mat image;
+  if (flags == cv::IMREAD_GRAYSCALE && bytes.starts_with("\xFF\xD8")) {
+    if (decode_jpeg(bytes, image)) return image;
+    throw std::runtime_error(file.string() + ": the image is damaged");
+  }
   try {
     const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, bytes.data());
     image = cv::imdecode(buffer, flags | cv::IMREAD_IGNORE_ORIENTATION);

@@ -1,0 +1,13 @@
+#include "recording_check.hpp"
+
+#include <iterator>
+
+std::vector<Finding> check_recording(const plumbline::io::Recording& recording, const Needs& needs) {
+  std::vector<Finding> findings = check_clocks(recording, needs);
+  const auto append = [&](std::vector<Finding> more) {
+    findings.insert(findings.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+  };
+  if (needs.imu) append(check_readings(recording));
+  append(check_images(recording, needs));
+  return findings;
+}

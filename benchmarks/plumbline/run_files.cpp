@@ -1,0 +1,116 @@
+#include "run_files.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "format.hpp"
+#include "output_check.hpp"
+
+namespace fs = std::filesystem;
+namespace io = plumbline::io;
+namespace pl = plumbline;
+
+namespace {
+
+/// The name, after the check of all of them.
+const fs::path& checked(const RunPaths& paths, const std::vector<fs::path>& inputs) {
+  std::vector<NamedOutput> outputs{{"--trajectory", paths.trajectory}};
+  if (paths.timing) outputs.push_back({"--timing", *paths.timing});
+  if (paths.states) outputs.push_back({"--states", *paths.states});
+  if (paths.landmarks) outputs.push_back({"--landmarks", *paths.landmarks});
+  check_outputs(outputs, inputs);
+  return paths.trajectory;
+}
+
+const char* reason_of(const FrameOutput& output) {
+  return output.refused ? name_of(*output.refused) : name_of(output.estimate.health.reason);
+}
+
+std::string state_header() {
+  std::string header = "timestamp_ns,health,reason,keyframe,resets,tracked,p_x,p_y,p_z,q_x,q_y,q_z,q_w";
+  for (const char* name : {"v", "bias_gyro", "bias_accel", "sigma_rotation", "sigma_position", "sigma_v",
+                           "sigma_bias_gyro", "sigma_bias_accel"})
+    for (const char* axis : {"_x", "_y", "_z"}) header += std::string(",") + name + axis;
+  for (int i = 0; i < 6; ++i)
+    for (int j = i; j < 6; ++j) header += format(",covariance_%d%d", i, j);
+  return header + ",readout_s\n";
+}
+
+/// Numbers as cells, or empty ones.
+template <class Vector>
+std::string cells(bool known, const Vector& values) {
+  std::string out;
+  for (Eigen::Index i = 0; i < values.size(); ++i) out += known ? format(",%.9g", values[i]) : ",";
+  return out;
+}
+
+}  // namespace
+
+RunFiles::RunFiles(const RunPaths& paths, const std::vector<fs::path>& inputs) : trajectory_(checked(paths, inputs)) {
+  if (paths.timing) timing_.emplace(*paths.timing);
+  if (paths.states) states_.emplace(*paths.states);
+  if (paths.landmarks) landmarks_.emplace(*paths.landmarks);
+  if (timing_) {
+    timing_->stream() << "timestamp_ns,track_ms,estimate_ms,map_ms,total_ms,health,reason,sigma_position_m,"
+                         "sigma_rotation_deg\n";
+  }
+  if (states_) states_->stream() << state_header();
+}
+
+void RunFiles::add_timing(pl::TimeNs t_ns, const FrameOutput& output) {
+  if (!timing_) return;
+  timing_->stream() << format("%lld,%.4f,%.4f,%.4f,%.4f,", static_cast<long long>(t_ns), 1e3 * output.timing.track,
+                              1e3 * output.timing.estimate, 1e3 * output.timing.map, 1e3 * output.timing.total)
+                    << name_of(output.health()) << ',' << reason_of(output);
+  if (output.has_pose()) {
+    constexpr double degrees = 57.29577951308232;
+    const pl::Vec<double, 6> variance = output.estimate.covariance.diagonal();
+    timing_->stream() << format(",%.6g,%.6g\n", std::sqrt(variance.tail<3>().sum()),
+                                degrees * std::sqrt(variance.head<3>().sum()));
+  } else {
+    timing_->stream() << ",,\n";
+  }
+}
+
+void RunFiles::add_state(pl::TimeNs t_ns, const FrameOutput& output, const Inspection& inspection) {
+  const pl::Estimate<double>& estimate = output.estimate;
+  const bool has_pose = output.has_pose();
+  const bool has_motion = has_pose && inspection.inertial && inspection.inertial->start.stage == pl::InitStage::done;
+  const bool has_sigmas = has_motion && inspection.inertial->sigma;
+  const Eigen::Quaterniond& q = estimate.T_world_body.rotation().quaternion();
+  std::string row = format("%lld,%s,%s,%d,%u,%d", static_cast<long long>(t_ns), name_of(output.health()),
+                           reason_of(output), int(estimate.keyframe), estimate.resets, estimate.tracked);
+  row += cells(has_pose, estimate.T_world_body.p());
+  row += cells(has_pose, q.coeffs());  // x y z w
+  row += cells(has_motion, estimate.v_world_body);
+  row += cells(has_motion, estimate.bias_gyro);
+  row += cells(has_motion, estimate.bias_accel);
+  row += cells(has_pose, estimate.covariance.diagonal().cwiseSqrt().eval());
+  row += cells(has_sigmas, has_sigmas ? *inspection.inertial->sigma : pl::Vec<double, 9>::Zero().eval());
+  for (int i = 0; i < 6; ++i)
+    for (int j = i; j < 6; ++j) row += has_pose ? format(",%.9g", estimate.covariance(i, j)) : ",";
+  states_->stream() << row << format(",%.9g\n", inspection.readout_s);
+}
+
+void RunFiles::add_landmarks(const std::vector<pl::Vec<double, 3>>& points) {
+  std::ofstream& out = landmarks_->stream();
+  out << "ply\nformat ascii 1.0\nelement vertex " << points.size()
+      << "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+  for (const pl::Vec<double, 3>& p : points) out << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
+}
+
+void RunFiles::commit_tables() {
+  for (auto* file : {&timing_, &states_})
+    if (*file) (*file)->complete();
+  for (auto* file : {&timing_, &states_})
+    if (*file) (*file)->commit();
+}
+
+void RunFiles::commit_all() {
+  trajectory_.complete();
+  if (landmarks_) landmarks_->complete();
+  commit_tables();
+  if (landmarks_) landmarks_->commit();
+  trajectory_.commit();
+}

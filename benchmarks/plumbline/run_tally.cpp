@@ -1,0 +1,99 @@
+#include "run_tally.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+#include "format.hpp"
+#include "plumbline/start/two_view.hpp"
+
+namespace pl = plumbline;
+
+namespace {
+
+constexpr double degrees = 180 / std::numbers::pi;
+
+/// What the start waits for, with the figures that say how far it is from that.
+std::string figures_of(const pl::InitReport& start) {
+  const pl::TwoViewStartOptions two_view;
+  switch (start.stage) {
+    case pl::InitStage::few_features: return format("%d in sight", start.features);
+    case pl::InitStage::little_parallax:
+      return format("%.2g degrees of %.2g, %d features: the camera must move sideways", degrees * start.parallax_rad,
+                    degrees * two_view.min_parallax_rad, start.features);
+    case pl::InitStage::two_views_disagree:
+      return format("%.0f %% of %d features fit one motion, %.0f needed: is the calibration right?",
+                    100 * start.inliers, start.features, 100 * two_view.min_inliers);
+    case pl::InitStage::not_believed:
+      return format(
+          "%d times: images and readings together need impossible biases; are units, axes, clocks and "
+          "T_body_camera right?",
+          start.rejected);
+    case pl::InitStage::done: return {};
+    case pl::InitStage::aligning: break;
+  }
+  switch (start.alignment) {
+    case pl::AlignmentOutcome::rotations_disagree:
+      return format("by %.2g degrees: are axes, units, clocks and T_body_camera right?", degrees * start.gyro_residual);
+    case pl::AlignmentOutcome::gravity_implausible:
+      return format("%.3g m/s^2: are units, axes and T_body_camera right?", start.gravity_norm);
+    case pl::AlignmentOutcome::gravity_uncertain:
+    case pl::AlignmentOutcome::scale_uncertain:
+      return format("to %.0f %%, motion of %.2g m/s^2: the body must move with more acceleration",
+                    100 * start.scale_sigma, start.excitation);
+    case pl::AlignmentOutcome::too_few_frames:
+      return format("%d features in sight: the recording, or each stretch of tracking, is too short", start.features);
+    default: return format("%d features in sight", start.features);
+  }
+}
+
+std::string reason_of(const FrameOutput& output) {
+  if (output.refused) return std::string("refused, ") + name_of(*output.refused);
+  const pl::Health& health = output.estimate.health;
+  if (health.state != pl::HealthState::initializing)
+    return std::string(name_of(health.state)) + ", " + name_of(health.reason);
+  if (health.reason != pl::HealthReason::aligning && health.reason != pl::HealthReason::none)
+    return name_of(health.reason);
+  return output.start.stage == pl::InitStage::aligning ? name_of(output.start.alignment) : name_of(output.start.stage);
+}
+
+}  // namespace
+
+void RunTally::add(const FrameOutput& output, bool is_in_trajectory) {
+  ++read_;
+  total_ms_.push_back(1e3 * output.timing.total);
+  poses_ += is_in_trajectory;
+  refused_ += output.refused.has_value();
+  if (!output.refused) {
+    ++by_health_[static_cast<std::size_t>(output.health())];
+    resets_ = std::max(resets_, output.estimate.resets);
+  }
+  if (output.has_sound_pose()) return;
+  ++without_;
+  Reason& reason = reasons_[reason_of(output)];
+  ++reason.frames;
+  if (!output.refused && output.health() == pl::HealthState::initializing) reason.figures = figures_of(output.start);
+}
+
+std::string RunTally::summary() const {
+  std::vector<double> ms = total_ms_;
+  std::sort(ms.begin(), ms.end());
+  const auto count = [&](pl::HealthState state) { return by_health_[static_cast<std::size_t>(state)]; };
+  return format(
+      "%zu frames: %zu poses, %zu tracking, %zu degraded, %zu lost, %zu initializing, %zu skipped, %zu "
+      "refused; %u resets; median %.2f ms, longest %.2f ms",
+      read_, poses_, count(pl::HealthState::tracking), count(pl::HealthState::degraded), count(pl::HealthState::lost),
+      count(pl::HealthState::initializing), skipped_, refused_, resets_, ms.empty() ? 0 : ms[ms.size() / 2],
+      ms.empty() ? 0 : ms.back());
+}
+
+std::string RunTally::why_no_pose() const {
+  const std::size_t none = without_ + skipped_;
+  const std::string frames =
+      none == read_ ? format("no pose in %zu frames", none) : format("no sound pose in %zu of %zu frames", none, read_);
+  if (reasons_.empty()) return frames + ": no image can be used";
+  const auto longest = std::max_element(reasons_.begin(), reasons_.end(),
+                                        [](const auto& a, const auto& b) { return a.second.frames < b.second.frames; });
+  const auto& [name, reason] = *longest;
+  return frames + format(": %s in %zu of them", name.c_str(), reason.frames) +
+         (reason.figures.empty() ? "" : " (" + reason.figures + ")");
+}
