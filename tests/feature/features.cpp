@@ -5,6 +5,7 @@
 
 #include "catch.hpp"
 #include "plumbline/camera/pinhole.hpp"
+#include "plumbline/feature/collinear.hpp"
 #include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"
 #include "plumbline/sensor/rgbd.hpp"
@@ -36,7 +37,9 @@ TEST_CASE("features: each store has its options, and all are visited in order") 
   stores.for_each([&](auto& store) { seen = 10 * seen + store.value++; });
   REQUIRE(seen == 300 + 400 + 500);
   const Three& read_only = stores;
-  REQUIRE(read_only.sum([](const auto& store) { return store.value; }) == 546);
+  int sum = 0;
+  read_only.for_each([&](const auto& store) { sum += store.value; });
+  REQUIRE(sum == 546);
   int order = 0;
   Three::for_each_index([&]<std::size_t I>() { order = 10 * order + int(I); });
   REQUIRE(order == 12);
@@ -73,6 +76,25 @@ TEST_CASE("features: entries become the stores of a rig, their capacities part o
                                  LandmarkStore<PointKind<Sensors>, 10, 4>>>);
   const StoreOptions options;
   const Landmarks landmarks(options, options, options);
-  REQUIRE(landmarks.sum([](const auto& store) { return store.capacity; }) == 80);
-  REQUIRE(landmarks.sum([](const auto& store) { return store.seen_count(); }) == 0);
+  int capacity = 0;
+  landmarks.for_each([&](const auto& store) { capacity += store.capacity; });
+  REQUIRE(capacity == 80);
+  REQUIRE(landmarks.seen_count() == 0);
+}
+
+TEST_CASE("features: lines that are known by their points are not counted beside them") {
+  const StoreOptions options;
+  using Sensors = Rig<Rgbd<Pinhole<float>, 64 * 64>>;
+  using Held = Features<Points<50>, Collinear<20>>::Landmarks<Sensors, 4>;
+  Held landmarks(options, options);
+  const auto seen = [](auto landmark) {
+    landmark.current.valid = landmark.located = true;
+    return landmark;
+  };
+  for (int i = 0; i < 3; ++i)
+    landmarks.get<0>().landmarks().push_back(seen(std::remove_cvref_t<decltype(landmarks.get<0>())>::Landmark{}));
+  landmarks.get<1>().landmarks().push_back(seen(std::remove_cvref_t<decltype(landmarks.get<1>())>::Landmark{}));
+  REQUIRE(landmarks.get<1>().tracked_count() == 1);
+  REQUIRE(landmarks.seen_count() == 3);
+  REQUIRE(landmarks.tracked_count() == 3);
 }

@@ -64,7 +64,7 @@ class Odometry {
   double motion_px() const {
     double sum_px = 0;
     int count = 0;
-    landmarks.for_each([&](const auto& store) { store.add_motion_since(keyframe_, sum_px, count); });
+    landmarks.for_each_independent([&](const auto& store) { store.add_motion_since(keyframe_, sum_px, count); });
     return count > 0 ? sum_px / count : 0;
   }
   int keyframe() const { return keyframe_; }  ///< slot of the last one

@@ -50,6 +50,13 @@ concept HasMotionRows = requires {
   { K::depth_dim } -> std::convertible_to<int>;  // rows of a measured depth; 0: there is none, and no `depth_rows`
 };
 
+/// Its landmarks hold those of a kind before it (`holds<Kind>`), its members. They are counted by these: what carries
+/// an estimate, and how far the image moved, they say once.
+template <class K>
+concept HoldsOthers = requires {
+  typename K::Member;
+};
+
 template <class K>
 concept FeatureKind = KindOfLandmark<K> && HasGeometry<K> && HasMotionRows<K>;
 

@@ -34,24 +34,30 @@ class LandmarkSet {
   void for_each_with(auto& tuple, auto&& visit) const {
     for_each_index([&]<std::size_t I>() { visit(std::get<I>(stores_), std::get<I>(tuple)); });
   }
-  /// The sum of visit(store) over all kinds.
-  auto sum(auto&& visit) const {
-    return std::apply([&](const Stores&... store) { return (visit(store) + ...); }, stores_);
+  /// All kinds but those whose landmarks are counted by the others that they hold.
+  void for_each_independent(auto&& visit) const {
+    for_each([&]<class Store>(const Store& store) {
+      if constexpr (!HoldsOthers<typename Store::Kind>) visit(store);
+    });
   }
 
   /// Landmarks that the latest frame sees, and the located ones of them.
   int seen_count() const {
-    return sum([](const auto& store) { return store.seen_count(); });
+    int n = 0;
+    for_each_independent([&](const auto& store) { n += store.seen_count(); });
+    return n;
   }
   int tracked_count() const {
-    return sum([](const auto& store) { return store.tracked_count(); });
+    int n = 0;
+    for_each_independent([&](const auto& store) { n += store.tracked_count(); });
+    return n;
   }
   /// Harmonic mean of the ranges of what is tracked [m]; 1 when there is nothing.
   template <class S>
   S mean_depth() const {
     S inverse_sum = S(0);
     int count = 0;
-    for_each([&](const auto& store) { store.add_inverse_ranges(inverse_sum, count); });
+    for_each_independent([&](const auto& store) { store.add_inverse_ranges(inverse_sum, count); });
     return count > 0 ? S(count) / inverse_sum : S(1);
   }
 

@@ -11,11 +11,6 @@
 
 namespace plumbline {
 
-template <class Kind>
-concept HoldsOthers = requires {
-  typename Kind::Member;
-};
-
 template <class Landmarks>
 class LandmarkTies;
 

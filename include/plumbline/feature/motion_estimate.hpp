@@ -49,8 +49,10 @@ class MotionEstimate {
     }
     int inliers = 0;
     const BodyView<S> body(T, T_body_cam);
-    landmarks.for_each_with(
-        terms_, [&](auto& store, auto& terms) { inliers += terms.gate(rig, store, body, S(options_.chi2_gate)); });
+    landmarks.for_each_with(terms_, [&]<class Store>(Store& store, auto& terms) {
+      const int fitting = terms.gate(rig, store, body, S(options_.chi2_gate));
+      if (!HoldsOthers<typename Store::Kind>) inliers += fitting;
+    });
     if (inliers < options_.min_inliers) return HealthReason::few_inliers;
     return system.covariance(covariance) && T.is_finite() ? HealthReason::none : HealthReason::unconstrained;
   }

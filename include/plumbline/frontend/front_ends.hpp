@@ -172,8 +172,11 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
   int lasting_count(const Landmarks& landmarks) const {
     int n = 0;
     Landmarks::for_each_index([&]<std::size_t I>() {
-      if constexpr (!requires { std::get<I>(front_ends_).is_for_start; })
-        n += landmarks.template get<I>().tracked_count();
+      const auto& store = landmarks.template get<I>();
+      if constexpr (!requires { std::get<I>(front_ends_).is_for_start; } &&
+                    !HoldsOthers<typename std::remove_cvref_t<decltype(store)>::Kind>) {
+        n += store.tracked_count();
+      }
     });
     return n;
   }
