@@ -1,4 +1,4 @@
-// The front ends of all kinds: who is asked when, by scripted ones; and the pose that most agree on, by rendered frames.
+// The front ends of all kinds: who is asked when, by scripted ones; the pose that most agree on, by rendered frames.
 #include "plumbline/frontend/front_ends.hpp"
 
 #include <algorithm>

@@ -3,7 +3,8 @@
 ///                                                                                        docs/math/collinear.md
 /// A line in the camera of its anchor, as those of LineKind, measured by the segments of keyframes. What is on it are
 /// landmarks of the points before it in the list of features; in the window they are tied to it,
-///   1/2 rho(|r|^2 / sigma^2),   sigma^2 = tolerance^2 + offset^2,   r of residual/collinear_point.hpp,       (3)
+///   1/2 rho(|r - [offset; 0]|^2 / sigma^2),   sigma^2 = tolerance^2 + offset^2,                              (3)
+/// r of residual/collinear_point.hpp,
 /// and by them, not by its looks, it is recognized in the next keyframe.
 ///
 /// Between keyframes nobody looks for segments: the outermost of its points in sight stand for one (`from_points`).
@@ -46,7 +47,7 @@ struct CollinearKind : LineKind<SensorsT, Loss, CollinearObservation<typename Se
   struct Member {
     std::uint32_t id;
     float offset_px = 0;  ///< beside the segment, in the last keyframe that showed both
-    S offset = S(0);      ///< the same as an angle [rad]: what is beside an edge need not have its depth
+    S offset = S(0);      ///< the same in the first one [rad]: what is beside an edge need not have its depth
     int hint = 0;         ///< where in its store it was found last
     int misfits = 0;      ///< optimizations in a row that put it elsewhere
 

@@ -37,15 +37,15 @@ class CollinearTerms {
       for (auto& member : line.appearance.points) {
         const int p = index_of(points, member);
         if (p < 0 || !points.landmarks()[p].takes_part()) continue;
-        const S sigma = member.sigma(), error = whitened(line, points.landmarks()[p], sigma, views).squaredNorm();
+        const S error = whitened(line, points.landmarks()[p], member, views).squaredNorm();
         if (!(error < max_error * max_error)) continue;
         int& tie = of_point_[static_cast<std::size_t>(p)];
         if (tie == none) {
           tie = static_cast<int>(ties_.size());
-          ties_.push_back({static_cast<int>(i), p, sigma, error, {}, Vec<double, line_dim>::Zero()});
+          ties_.push_back({static_cast<int>(i), p, member, error, {}, Vec<double, line_dim>::Zero()});
         } else if (error < ties_[tie].error) {
           ties_[tie].line = static_cast<int>(i);
-          ties_[tie].sigma = sigma;
+          ties_[tie].member = member;
           ties_[tie].error = error;
         }
       }
@@ -62,8 +62,9 @@ class CollinearTerms {
                 ? CollinearPoint<S>::linearize(line.geometry.line, point.geometry.bearing, point.geometry.inverse_range)
                 : CollinearPoint<S>::linearize(views(point.anchor, line.anchor), line.geometry.line,
                                                point.geometry.bearing, point.geometry.inverse_range);
-      const S squared = lin.r.squaredNorm() / (tie.sigma * tie.sigma);
-      const S scale = std::sqrt(Kind::point_loss.weight(squared)) / tie.sigma;
+      lin.r[0] -= tie.member.offset;
+      const S sigma = tie.member.sigma(), squared = lin.r.squaredNorm() / (sigma * sigma);
+      const S scale = std::sqrt(Kind::point_loss.weight(squared)) / sigma;
       cost += double(Kind::point_loss.rho(squared)) / 2;
       lin.r *= scale;
       lin.J_r_target *= scale;
@@ -77,7 +78,7 @@ class CollinearTerms {
     double sum = 0;
     for (const Tie& tie : ties_) {
       sum += double(Kind::point_loss.rho(
-          whitened(lines.landmarks()[tie.line], points.landmarks()[tie.point], tie.sigma, views).squaredNorm()));
+          whitened(lines.landmarks()[tie.line], points.landmarks()[tie.point], tie.member, views).squaredNorm()));
     }
     return sum / 2;
   }
@@ -133,7 +134,7 @@ class CollinearTerms {
       for (std::size_t k = members.size(); k-- > 0;) {
         const int p = index_of(points, members[k]);
         if (p < 0 || !points.landmarks()[p].takes_part()) continue;
-        const bool fits = whitened(line, points.landmarks()[p], members[k].sigma(), views).norm() < S(3);
+        const bool fits = whitened(line, points.landmarks()[p], members[k], views).norm() < S(3);
         members[k].misfits = fits ? 0 : members[k].misfits + 1;
         if (members[k].misfits >= max_misfits) members.swap_remove(k);
       }
@@ -145,23 +146,26 @@ class CollinearTerms {
   static constexpr S max_error = S(30);  ///< whitened: beyond it a point is not tied at all
   static constexpr int max_misfits = 3;
 
+  using Member = typename Kind::Member;
   template <int OtherDim>
   using Rows = BlockRows<double, 2, pose_dim, LineStore::slots, OtherDim>;
 
   struct Tie {
     int line, point;  ///< where they are in their stores
-    S sigma, error;   ///< of the tie; squared and whitened, when it was chosen
+    Member member;
+    S error;  ///< squared and whitened, when it was chosen
     typename CollinearPoint<S>::Linearized rows;
     Vec<double, line_dim> by_line;  ///< B of (13)
   };
 
-  /// r/sigma of (3).
-  static Vec<S, 2> whitened(const auto& line, const auto& point, S sigma, const Views& views) {
+  /// Of (3), by sigma.
+  static Vec<S, 2> whitened(const auto& line, const auto& point, const Member& member, const Views& views) {
     const auto& at = point.geometry;
     const Vec<S, 3> P = line.anchor == point.anchor
                             ? at.bearing
                             : views(point.anchor, line.anchor).scaled_point(at.bearing, at.inverse_range);
-    return CollinearPoint<S>::residual(line.geometry.line, P, at.inverse_range) / sigma;
+    const Vec<S, 2> r = CollinearPoint<S>::residual(line.geometry.line, P, at.inverse_range);
+    return Vec<S, 2>(r[0] - member.offset, r[1]) / member.sigma();
   }
 
   FixedVector<Tie, PointStore::capacity> ties_;

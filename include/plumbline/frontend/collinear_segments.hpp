@@ -1,9 +1,10 @@
 #pragma once
 /// Lines through points, by the segments of keyframes.                                    docs/math/collinear.md
 ///
-/// In a keyframe segments are detected, and the points that lie on one become its members. A segment that shares two of
-/// them with a line that is known, far enough apart, is that line, if its place in space agrees; nothing of its looks is
-/// kept. Lines that one segment belongs to are one. Between keyframes the outermost members in sight stand for the line.
+/// In a keyframe segments are detected, and the points that lie on one become its members. A segment that shares two
+/// of them with a line that is known, far enough apart, is that line, if its place in space agrees; nothing of its
+/// looks is kept but which side is bright. Lines that one segment belongs to are one. Between keyframes the outermost
+/// members in sight stand for the line.
 ///
 /// Where a line is: the plane of its anchor's segment, and its members in space.
 
@@ -29,13 +30,13 @@
 namespace plumbline {
 
 struct CollinearOptions {
-  int target_count = 60;          ///< lines in sight
-  float sigma_px = 0.4f;          ///< of an endpoint across the segment, however long and sharp the edge
-  float peak_spacing_px = 4;      ///< of peaks along the edge that err independently
-  float member_px = 4;            ///< a point this near to a segment is on it: corners are found beside their edges
-  float separation_px = 10;       ///< of the two points that two views of a line must share, in both
-  float same_line_px = 2;         ///< between a segment and where a line is seen that it belongs to
-  double sigma_points = 1.41421;  ///< of members that stand for their line, by their own: they count as points, too
+  int target_count = 60;      ///< lines in sight
+  float sigma_px = 0.4f;      ///< of an endpoint across the segment, however long and sharp the edge
+  float peak_spacing_px = 4;  ///< of peaks along the edge that err independently
+  float member_px = 4;        ///< a point this near to a segment is on it: corners are found beside their edges
+  float separation_px = 10;   ///< of the two points that two views of a line must share, in both
+  float same_line_px = 2;     ///< between a segment and where a line is seen that it belongs to
+  double sigma_points = 3;    ///< of members that stand for their line, by their own: they count as points, too
   LineDetectorOptions detector;
   LineTrackingOptions tracking;  ///< of the edge that a detected segment is measured by
 };
@@ -149,7 +150,6 @@ class CollinearSegments {
         to.push_back(member);  // as many as there is room for
       } else {
         known->offset_px = member.offset_px;
-        known->offset = member.offset;
       }
     }
   }
@@ -321,9 +321,10 @@ class CollinearSegments {
 
   /// A member as the line's anchor sees it.
   struct InAnchor {
-    RelativeView<S> view;           ///< from the point's anchor
-    Vec<S, 3> bearing;              ///< there
-    S lambda, sigma_lambda, sigma;  ///< of the tie
+    RelativeView<S> view;  ///< from the point's anchor
+    Vec<S, 3> bearing;     ///< there
+    S lambda, sigma_lambda;
+    S offset, sigma;  ///< of the tie
   };
 
   void locate(const View<Sensors>& view, const auto& window, Landmark& landmark, const auto& points) const {
@@ -344,7 +345,7 @@ class CollinearSegments {
       const S along = (pixels.bearing_end - pixels.bearing_start).dot(X) / X.norm();
       if (members.empty() || along < from) from = along, start = X;
       if (members.empty() || along > to) to = along, end = X;
-      members.push_back({to_line, at.bearing, at.inverse_range, at.sigma_inverse_range, member.sigma()});
+      members.push_back({to_line, at.bearing, at.inverse_range, at.sigma_inverse_range, member.offset, member.sigma()});
     }
     if (members.size() < 2) return;
     Line3<S> line = Line3<S>::through(start, end);
@@ -355,7 +356,7 @@ class CollinearSegments {
       detail::add_in_anchor(seen.pixels, line, system);
       for (const InAnchor& member : members) {
         const auto lin = CollinearPoint<S>::linearize(member.view, line, member.bearing, member.lambda);
-        const Vec<S, 2> w = weights_of(lin, member), r = w.cwiseProduct(lin.r);
+        const Vec<S, 2> w = weights_of(lin, member), r = w.cwiseProduct(lin.r - Vec<S, 2>(member.offset, S(0)));
         Mat<S, 2, 4> J = lin.J_r_line;
         for (int c = 0; c < 4; ++c) J(0, c) *= w[0], J(1, c) *= w[1];
         system.add(J, r, Kind::point_loss.weight(r.squaredNorm()));
@@ -367,7 +368,8 @@ class CollinearSegments {
     int straight = 0;
     for (const InAnchor& member : members) {
       const auto lin = CollinearPoint<S>::linearize(member.view, line, member.bearing, member.lambda);
-      straight += weights_of(lin, member).cwiseProduct(lin.r).squaredNorm() < S(9);
+      const Vec<S, 2> r = lin.r - Vec<S, 2>(member.offset, S(0));
+      straight += weights_of(lin, member).cwiseProduct(r).squaredNorm() < S(9);
     }
     if (straight < 2 || 2 * straight < static_cast<int>(members.size())) return;
     detail::adopt_line(landmark, line, Mat<S, 4, 4>(covariance.template cast<S>()));

@@ -1,6 +1,6 @@
 #pragma once
-/// Front-end policy: points by optical flow, lines by their edges or by the points on them; a kind of one's own by the front end that it brings
-/// (`template <class Store> using FrontEnd`).
+/// Front-end policy: points by optical flow, lines by their edges or by the points on them; a kind of one's own by the
+/// front end that it brings (`template <class Store> using FrontEnd`).
 
 #include "plumbline/feature/collinear.hpp"
 #include "plumbline/feature/lines.hpp"
