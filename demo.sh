@@ -2,7 +2,7 @@
 # Builds the program, runs visual odometry on a recording and shows how far it is from the truth.
 #   ./demo.sh                a simulated recording of a room, made on the spot
 #   ./demo.sh DATASET_DIR    a recording of yours: EuRoC, TUM RGB-D (with or without imu.csv) or KITTI odometry
-# Everything it makes is in ./demo: trajectory.tum, timing.csv, trajectory.png.
+# Everything it makes is in ./demo: trajectory.tum, timing.csv, trajectory.png, and report.html, a page to look at.
 set -euo pipefail
 started_in=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")"
@@ -68,6 +68,10 @@ for reference in "${references[@]}"; do
     "$plumbline" evaluate --reference "$dataset/$reference" --estimate demo/trajectory.tum --align $alignment \
       --plot demo/trajectory.png
     echo "drew demo/trajectory.png"
+    step "Four starts, one frame apart, on a page"
+    "$plumbline" compare --config "$config" --dataset "$dataset" --repeat 4 --json demo/report.json \
+      --report demo/report.html
+    echo "wrote demo/report.html: open it in a browser"
     break
   fi
 done

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds everything with warnings as errors, compiles each header alone, runs all tests, builds the program of the other
-# presets, and runs the unit tests once more with the address and undefined-behaviour sanitizers. Installs what is missing; may be run again at any time.
+# presets, and runs the unit tests once more with the address and undefined-behaviour sanitizers. Installs what is
+# missing; may be run again at any time.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
