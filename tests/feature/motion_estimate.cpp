@@ -67,7 +67,7 @@ TEMPLATE_TEST_CASE("motion_estimate: exact points and lines, alone or together, 
   REQUIRE(scene.refine() == HealthReason::none);
   REQUIRE(scene.error() < tolerance<S>);
   REQUIRE(scene.covariance.diagonal().minCoeff() > 0);
-  REQUIRE(scene.landmarks->sum([](const auto& store) { return store.seen_count(); }) == point_count + line_count);
+  REQUIRE(scene.landmarks->seen_count() == point_count + line_count);
 }
 
 TEST_CASE("motion_estimate: more landmarks leave less doubt") {
