@@ -80,11 +80,16 @@ class ScoreTile {
 
   /// Smallest eigenvalues from the sums over 7 columns.
   static Row score(const Sums& sum) {
-    const Eigen::Array<float, columns - 1, 3> two = sum.topRows<columns - 1>() + sum.bottomRows<columns - 1>();
-    const Eigen::Array<float, size, 3> seven =
-        two.topRows<size>() + two.middleRows<size>(2) + two.middleRows<size>(4) + sum.bottomRows<size>();
-    const Row mean = 0.5f * (seven.col(0) + seven.col(2)), half_gap = 0.5f * (seven.col(0) - seven.col(2));
-    const Row eigenvalue = mean - (half_gap.square() + seven.col(1).square()).sqrt();
+    std::array<Row, 3> seven;
+    for (int c = 0; c < 3; ++c) {
+      const float* one = sum.data() + c * columns;
+      std::array<float, columns - 1> two;
+      for (std::size_t x = 0; x < two.size(); ++x) two[x] = one[x] + one[x + 1];
+      float* out = seven[static_cast<std::size_t>(c)].data();
+      for (std::size_t x = 0; x < size; ++x) out[x] = two[x] + two[x + 2] + two[x + 4] + one[x + 6];
+    }
+    const Row mean = 0.5f * (seven[0] + seven[2]), half_gap = 0.5f * (seven[0] - seven[2]);
+    const Row eigenvalue = mean - (half_gap.square() + seven[1].square()).sqrt();
     return eigenvalue * (1.0f / (4 * window * window));  // 4: g are halves of the differences above
   }
 
