@@ -13,7 +13,7 @@
 
 namespace plumbline::testing {
 
-inline constexpr std::array<std::string_view, 4> scene_names = {"room", "room_lowtex", "corridor", "hall"};
+inline constexpr std::array<std::string_view, 5> scene_names = {"room", "room_lowtex", "boards", "corridor", "hall"};
 
 namespace detail {
 
@@ -83,6 +83,35 @@ inline Scene make_room(std::uint32_t seed, bool textured) {
     if (k < 3) add.poster(east, -1.35 + 0.25 * k, 0.35 + 1.4 * (k % 2) + jitter, 0.21, 0.297);
     if (k < 5) add.poster(west, -0.1 + 0.24 * k, 0.6 + jitter + 0.1 * (k % 2), 0.21, 0.297);
     add.poster(west, -1.6 + 0.28 * k, 2.05 + jitter, 0.21, 0.297);
+  }
+  return scene;
+}
+
+/// The bare room hung with plain boards, turned each by up to 15 degrees, each with a field of another tone: many long
+/// edges in many directions and a few corners, no texture.
+inline Scene make_boards(std::uint32_t seed) {
+  constexpr double hx = 3.2, hy = 2.7, height = 2.7, pitch = 0.75;
+  Scene scene;
+  Furnisher add(scene, seed, false);
+  const auto plain = [&](float base) { return add.material(Pattern::plain, base, 0); };
+  add_floor_and_ceiling(scene, hx, hy, height, plain(0.35f), plain(0.75f));
+  const std::array<SE3<double>, 4> walls = {placement(hx, 0, 0, pi / 2), placement(0, hy, 0, pi),
+                                            placement(-hx, 0, 0, -pi / 2), placement(0, -hy, 0, 0)};
+  const std::array<double, 4> half = {hy, hx, hy, hx};
+  for (int i = 0; i < 4; ++i) {
+    const double w = half[std::size_t(i)];
+    scene.add_front(walls[std::size_t(i)], -w, w, 0, height, 0, plain(0.6f));
+    const int columns = static_cast<int>(2 * w / pitch);
+    for (int k = 0; k < 3 * columns; ++k) {
+      const auto draw = [&](int j) { return static_cast<double>(hash01(100 * i + k, j, seed)); };
+      const double x = (k / 3 + 0.5) * pitch - 0.5 * columns * pitch, z = 0.5 + 0.85 * (k % 3);
+      const SE3<double> at =
+          walls[std::size_t(i)] * SE3<double>(SO3<double>::exp({0, 0.52 * (draw(0) - 0.5), 0}), {x, 0, z});
+      const double a = 0.18 + 0.12 * draw(1), b = 0.22 + 0.13 * draw(2), thick = 0.02 + 0.13 * draw(3);
+      const float tone = 0.1f + 0.4f * static_cast<float>(draw(4)), field = tone + 0.4f;
+      scene.add_box(at, {-a, 0, -b}, {a, thick, b}, plain(draw(5) < 0.5 ? field : tone));
+      scene.add_front(at, -0.6 * a, 0.6 * a, -0.6 * b, 0.6 * b, thick + 0.003, plain(draw(5) < 0.5 ? tone : field));
+    }
   }
   return scene;
 }
@@ -160,6 +189,7 @@ inline std::optional<Scene> make_scene(std::string_view name, std::uint64_t seed
   const std::uint32_t surface_seed = hash(static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), 1);
   if (name == "room") return detail::make_room(surface_seed, true);
   if (name == "room_lowtex") return detail::make_room(surface_seed, false);
+  if (name == "boards") return detail::make_boards(surface_seed);
   if (name == "corridor") return detail::make_corridor(surface_seed);
   if (name == "hall") return detail::make_hall(surface_seed);
   return std::nullopt;

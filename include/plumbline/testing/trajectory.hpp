@@ -58,7 +58,7 @@ class Trajectory {
 
   /// The path of that scene, its sway varied by the seed; nothing when the name is unknown.
   static std::optional<Trajectory> for_scene(std::string_view scene, std::uint64_t seed = 1) {
-    if (scene == "room" || scene == "room_lowtex") return Trajectory(Kind::room, seed);
+    if (scene == "room" || scene == "room_lowtex" || scene == "boards") return Trajectory(Kind::room, seed);
     if (scene == "corridor") return Trajectory(Kind::corridor, seed);
     if (scene == "hall") return Trajectory(Kind::hall, seed);
     return std::nullopt;
