@@ -36,6 +36,8 @@ std::string figures_of(const pl::InitReport& start) {
       return format("by %.2g degrees: are axes, units, clocks and T_body_camera right?", degrees * start.gyro_residual);
     case pl::AlignmentOutcome::gravity_implausible:
       return format("%.3g m/s^2: are units, axes and T_body_camera right?", start.gravity_norm);
+    case pl::AlignmentOutcome::positions_disagree:
+      return "the images were followed badly, or clocks or T_body_camera are wrong";
     case pl::AlignmentOutcome::gravity_uncertain:
     case pl::AlignmentOutcome::scale_uncertain:
       return format("to %.0f %%, motion of %.2g m/s^2: the body must move with more acceleration",

@@ -118,6 +118,17 @@ TEST_CASE("alignment: says what is missing") {
             AlignmentOutcome::scale_uncertain);
   }
   {
+    test::SimulatedAlignment<double> s(1, 1, zero, zero);
+    const Vec<double, 3> turning_point = s.frames[5].T_ref_cam.p();  // from there on vision's unit is another
+    for (std::size_t k = 6; k < s.frames.size(); ++k) {
+      const SE3<double>& T = s.frames[k].T_ref_cam;
+      s.frames[k].T_ref_cam = SE3<double>(T.rotation(), turning_point + 2 * (T.p() - turning_point));
+    }
+    const InertialAlignment<double, 10> a = align_inertial<10>(s.span(), s.T_body_cam);
+    CAPTURE(a.chi2);
+    REQUIRE((a.outcome == AlignmentOutcome::positions_disagree && !a.is_rough()));
+  }
+  {
     const test::SimulatedAlignment<double> s(1, 1, zero, zero, 10, false);
     const InertialAlignment<double, 10> a = align_inertial<10>(s.span(), s.T_body_cam);
     REQUIRE((a.outcome == AlignmentOutcome::scale_uncertain && a.excitation < 1e-9));  // it could have any

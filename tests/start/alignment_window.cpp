@@ -91,3 +91,28 @@ TEST_CASE("alignment_window: a new series has forgotten the old one") {
   const auto found = window.align(s.T_body_cam, exact_poses<double>(), standard_gravity<double>);
   REQUIRE(found.outcome == AlignmentOutcome::too_few_frames);
 }
+
+TEST_CASE("alignment_window: poses of a unit that changed are forgotten, oldest first, until the others agree") {
+  AlignmentWindow<double> window;
+  test::SimulatedAlignment<double> s(3, 1.5, {0.02, -0.01, 0.05}, {0.1, 0.2, -0.15}, 17);
+  for (std::size_t k = 0; k < 5; ++k) {
+    const SE3<double>& T = s.frames[k].T_ref_cam;
+    s.frames[k].T_ref_cam =
+        SE3<double>(T.rotation(), s.frames[5].T_ref_cam.p() + 1.3 * (T.p() - s.frames[5].T_ref_cam.p()));
+  }
+  for (std::size_t k = 0; k < s.frames.size(); ++k)
+    window.add(TimeNs(k), s.frames[k].T_ref_cam, s.imu[k], 0.9 * step_s);
+  auto found = window.align(s.T_body_cam, {}, standard_gravity<double>);
+  REQUIRE(found.outcome == AlignmentOutcome::positions_disagree);
+  int forgotten = 0;
+  for (; found.contradicts() && forgotten < 17; ++forgotten) {
+    window.forget_oldest();
+    found = window.align(s.T_body_cam, {}, standard_gravity<double>);
+  }
+  CAPTURE(name_of(found.outcome), forgotten);
+  REQUIRE((found && forgotten >= 4 && forgotten <= 5));
+  REQUIRE(found.scale == Approx(1.5).epsilon(0.02));
+  for (int k = 0; k < 20; ++k) window.forget_oldest();
+  REQUIRE(window.align(s.T_body_cam, {}, standard_gravity<double>).v_world_body.size() ==
+          std::size_t(AlignmentWindow<double>::capacity / 2));
+}

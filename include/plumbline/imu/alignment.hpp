@@ -42,6 +42,7 @@ struct InertialAlignmentOptions {
   double accel_bias_sigma = 0.1;  ///< prior [m/s^2]
   std::size_t min_frames = 5;
   double max_gyro_residual = 0.02;  ///< [rad]
+  double max_chi2 = 3;  ///< for each degree of freedom: poses that agree have below 1, their errors are shared
   double max_gravity_error = 0.1;   ///< of its length before it is fixed, relative, beyond three sigma of it
   double max_gravity_sigma = 0.05;  ///< [rad]
   double max_scale_sigma = 0.1;     ///< relative
@@ -53,6 +54,7 @@ enum class AlignmentOutcome : std::uint8_t {
   too_few_frames,
   no_imu_data,          ///< an increment is empty or not finite
   rotations_disagree,   ///< of vision and gyroscope: wrong poses, extrinsics or time stamps
+  positions_disagree,   ///< of vision and accelerometer: vision has changed its unit of length, or is wrong
   gravity_implausible,  ///< its length: wrong poses, units or extrinsics
   gravity_uncertain,    ///< its direction
   scale_uncertain,      ///< it shows only in accelerated motion: wait for more
@@ -65,6 +67,7 @@ constexpr const char* name_of(AlignmentOutcome outcome) {
     case AlignmentOutcome::too_few_frames: return "too few frames";
     case AlignmentOutcome::no_imu_data: return "no IMU data";
     case AlignmentOutcome::rotations_disagree: return "camera and gyroscope turn differently";
+    case AlignmentOutcome::positions_disagree: return "camera and accelerometer move differently";
     case AlignmentOutcome::gravity_implausible: return "gravity of a wrong length";
     case AlignmentOutcome::gravity_uncertain: return "gravity uncertain";
     case AlignmentOutcome::scale_uncertain: return "scale uncertain";
@@ -93,6 +96,10 @@ struct InertialAlignment {
   bool is_rough() const {
     return !v_world_body.empty() &&
            (outcome == AlignmentOutcome::gravity_uncertain || outcome == AlignmentOutcome::scale_uncertain);
+  }
+  /// Whether no motion, gravity and biases explain both poses and readings.
+  bool contradicts() const {
+    return outcome == AlignmentOutcome::positions_disagree || outcome == AlignmentOutcome::gravity_implausible;
   }
 
   /// State of frame k. The world's origin is that of the camera poses.
@@ -283,6 +290,7 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
   }
   for (std::size_t k = 1; k < frames.size(); ++k) frames[k].imu->reintegrate(out.bias_gyro, out.bias_accel);
 
+  if (!(out.chi2 <= options.max_chi2)) return stop(AlignmentOutcome::positions_disagree);
   if (!(chain.common()[Unknowns::lambda] > 0)) out.scale_sigma = std::numeric_limits<double>::infinity();
   if (!(out.gravity_sigma <= options.max_gravity_sigma)) return stop(AlignmentOutcome::gravity_uncertain);
   if (options.metric) return stop(AlignmentOutcome::aligned);

@@ -48,6 +48,12 @@ class AlignmentWindow {
     }
   }
 
+  /// The poses contradict the readings: the longer ago, the worse vision knew the scene. Half of the window stays, a few
+  /// poses would agree with anything.
+  void forget_oldest() {
+    if (frames_.size() > capacity / 2) drop_oldest();
+  }
+
   Outcome align(const SE3<S>& T_body_cam, const InertialAlignmentOptions& options, double gravity) {
     std::array<AlignmentFrame<Increment>, capacity> frames;
     for (std::size_t i = 0; i < frames_.size(); ++i) frames[i] = {frames_[i].T_ref_cam, &frames_[i].increment};
@@ -64,14 +70,15 @@ class AlignmentWindow {
 
   static constexpr int max_doublings = 2;
 
+  void drop_oldest() {
+    for (std::size_t i = 1; i < frames_.size(); ++i) frames_[i - 1] = frames_[i];
+    frames_.resize(frames_.size() - 1);
+  }
+
   void make_room() {
     static_assert(capacity % 2 == 0);
     const std::size_t n = frames_.size();
-    if (doublings_ == max_doublings) {
-      for (std::size_t i = 1; i < n; ++i) frames_[i - 1] = frames_[i];
-      frames_.resize(n - 1);
-      return;
-    }
+    if (doublings_ == max_doublings) return drop_oldest();
     for (std::size_t i = 1; i < n; i += 2) {  // the last one stays
       Entry& kept = frames_[i / 2];
       Increment increment = frames_[i - 1].increment;

@@ -60,6 +60,10 @@ class InertialStart {
     report.gravity_norm = found.gravity_norm;
     report.gyro_residual = found.gyro_residual;
     report.scale_sigma = found.scale_sigma;
+    if (found.contradicts()) {
+      has_estimate_ = false;
+      window_.forget_oldest();
+    }
     if (!found && !(found.is_rough() && found.scale_sigma < options_.max_rough_scale_sigma)) return false;
     found_ = found;
     has_estimate_ = true;
