@@ -11,6 +11,7 @@
 #include "format.hpp"
 #include "output_check.hpp"
 #include "plot.hpp"
+#include "plumbline/io/calibration.hpp"
 #include "plumbline/io/printable.hpp"
 #include "plumbline/io/trajectory.hpp"
 #include "plumbline/io/trajectory_evaluation.hpp"
@@ -126,9 +127,18 @@ Judged judge(const std::filesystem::path& file, const io::Trajectory& reference,
   }
 }
 
+io::Trajectory read_reference(const EvaluateOptions& options) {
+  io::Trajectory reference = io::read_trajectory(options.reference);
+  if (options.to_camera.empty()) return reference;
+  const std::optional<plumbline::SE3<double>> T_body_camera = io::read_calibration(options.to_camera).T_body_camera;
+  if (!T_body_camera) throw std::runtime_error(options.to_camera.string() + ": has no T_body_camera");
+  return io::moved_to(reference, *T_body_camera);
+}
+
 void check_pictures(const EvaluateOptions& options) {
   std::vector<std::filesystem::path> inputs = options.estimates;
   inputs.push_back(options.reference);
+  if (!options.to_camera.empty()) inputs.push_back(options.to_camera);
   std::vector<NamedOutput> outputs;
   if (!options.plot.empty()) outputs.push_back({"--plot", options.plot});
   if (!options.error_plot.empty()) outputs.push_back({"--error-plot", options.error_plot});
@@ -161,7 +171,7 @@ void draw(const EvaluateOptions& options, const io::Trajectory& reference, const
 int run_evaluate(const EvaluateOptions& options) {
   const io::EvaluationSettings settings = settings_of(options);
   check_pictures(options);
-  const io::Trajectory reference = io::read_trajectory(options.reference);
+  const io::Trajectory reference = read_reference(options);
   std::vector<Judged> all;
   for (const std::filesystem::path& file : options.estimates) all.push_back(judge(file, reference, settings));
   draw(options, reference, all);

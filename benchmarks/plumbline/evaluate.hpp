@@ -8,6 +8,7 @@
 struct EvaluateOptions {
   std::filesystem::path reference;
   std::vector<std::filesystem::path> estimates;
+  std::filesystem::path to_camera = {};   ///< calibration; the reference is of the body, the estimates of its camera
   std::string align = "se3";              ///< se3, sim3, posyaw, none
   bool json = false;                      ///< instead of a table
   double max_difference_s = 0.02;         ///< between the times of a pair of poses

@@ -94,6 +94,8 @@ void add_evaluate(CLI::App& app, EvaluateOptions& options) {
       app.add_subcommand("evaluate", "Compare a trajectory with the truth (ATE and RPE as evo has them)");
   command->add_option("--reference", options.reference, "True trajectory: TUM, EuRoC or KITTI format")->required();
   command->add_option("--estimate", options.estimates, "Estimated trajectory, or several")->required();
+  command->add_option("--to-camera", options.to_camera,
+                      "Calibration with T_body_camera: the reference is of the body, the estimate of its camera");
   command->add_option("--align", options.align, "se3, sim3, posyaw or none")->capture_default_str();
   command->add_option("--max-difference", options.max_difference_s, "Largest time between a pair of poses [s]")
       ->check(number_from(0, 1e9, "s"))

@@ -40,6 +40,16 @@ expect_error 'both --plot and --error-plot name this file' "${one[@]}" --plot a.
 cp good.tum mine.png
 expect_error 'mine.png: --plot would overwrite what is read' evaluate --reference truth.txt --estimate mine.png --plot mine.png
 
+# The truth of the body, held against the camera's.
+camera=(evaluate --reference "$2/groundtruth_body.csv" --estimate "$2/groundtruth.txt" --align none)
+ape() { awk '/^APE translation/ { print $4 }' "$1"; }
+"$plumbline" "${camera[@]}" > out.txt || fail "body and camera"
+awk -v ape="$(ape out.txt)" 'BEGIN { exit !(ape > 0.05 && ape < 0.08) }' || fail "body and camera: $(cat out.txt)"
+"$plumbline" "${camera[@]}" --to-camera "$2/calibration.yaml" > out.txt || fail "--to-camera"
+awk -v ape="$(ape out.txt)" 'BEGIN { exit !(ape < 1e-5) }' || fail "--to-camera: $(cat out.txt)"
+sed '/^T_body_camera/,$d' "$2/calibration.yaml" > camera.yaml
+expect_error 'camera.yaml: has no T_body_camera$' "${camera[@]}" --to-camera camera.yaml
+
 # Every pose with every other one would be 20 million pairs; these are the 4541 best.
 (ulimit -v 400000 && "${evaluate[@]}" --estimate good.tum --max-difference 1e9 > out.txt 2> err.txt) ||
   fail "a large difference: $(cat err.txt)"

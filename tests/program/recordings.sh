@@ -6,12 +6,14 @@
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 data=$2
 
-# within CONFIG NAME TRUTH ALIGNMENT BOUND MISSING: all frames but MISSING have a pose and the error is below the bound.
+# within CONFIG NAME TRUTH ALIGNMENT BOUND MISSING [OPTION ...]: all frames but MISSING have a pose and the error is below
+# the bound.
 within() {
   local config=$1 name=$2 truth=$3 alignment=$4 bound=$5 missing=$6
+  shift 6
   "$plumbline" run --config "$config" --dataset "$data/$name" --trajectory out.tum 2> log.txt ||
     fail "$config $name: $(tail -1 log.txt)"
-  "$plumbline" evaluate --reference "$data/$name/$truth" --estimate out.tum --align "$alignment" > error.txt
+  "$plumbline" evaluate --reference "$data/$name/$truth" --estimate out.tum --align "$alignment" "$@" > error.txt
   local ate frames poses
   ate=$(awk '/^APE translation/ {print $4}' error.txt)
   frames=$( (cat "$data/$name"/rgb.txt || cat "$data/$name"/mav0/cam0/data.csv || cat "$data/$name"/times.txt) 2> /dev/null | grep -vc '^#')
@@ -39,9 +41,13 @@ within mono-imu/lines/window rendered_office_mono "$euroc_truth" posyaw 0.03 90
 within mono-imu/lines/window euroc_mh01_flight "$euroc_truth" posyaw 0.12 49
 within mono-imu/points+lines/window rendered_office_mono "$euroc_truth" posyaw 0.008 90
 within mono-imu/points+lines/window euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
+# camera_within CONFIG NAME BOUND MISSING: a camera alone, against the truth of the body that it is on.
+camera_within() {
+  within "$1" "$2" "$euroc_truth" sim3 "$3" "$4" --to-camera "$data/$2/mav0/cam0/sensor.yaml"
+}
 for features in points points+lines; do
-  within mono/$features/window rendered_office_mono "$euroc_truth" sim3 0.04 90
-  within mono/$features/window euroc_mh01_flight "$euroc_truth" sim3 0.06 49
+  camera_within mono/$features/window rendered_office_mono 0.007 90
+  camera_within mono/$features/window euroc_mh01_flight 0.04 49
   within mono/$features/window kitti00_first20s poses.txt sim3 2 20
 done
 within rgbd/points/direct tum_fr1_rpy_first12s groundtruth.txt se3 0.025 0
@@ -53,7 +59,7 @@ within rgbd-imu/points+lines/direct rendered_lowtex_rgbd groundtruth_body.csv po
 within mono-imu/points/direct euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
 within mono-imu/lines/direct euroc_mh01_flight "$euroc_truth" posyaw 0.12 49
 within semi-direct-vio euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
-within mono/points+lines/direct rendered_office_mono "$euroc_truth" sim3 0.04 90
-within mono/points+lines/direct euroc_mh01_flight "$euroc_truth" sim3 0.06 49
-within mono/lines/window rendered_office_mono "$euroc_truth" sim3 0.2 90
+camera_within mono/points+lines/direct rendered_office_mono 0.008 90
+camera_within mono/points+lines/direct euroc_mh01_flight 0.04 49
+camera_within mono/lines/window rendered_office_mono 0.15 90
 finish
