@@ -28,9 +28,9 @@ inline bool patch_inside(const ImageView<const std::uint8_t>& image, const Vec<f
 
 /// Copies size x size pixels from (x0, y0) on; pixels beyond the edge repeat the edge.
 inline void copy_pixels(const ImageView<const std::uint8_t>& image, int x0, int y0, int size, std::uint8_t* out) {
-  for (int y = y0; y < y0 + size; ++y) {
-    const std::uint8_t* row = image.row(std::clamp(y, 0, image.height - 1));
-    for (int x = x0; x < x0 + size; ++x) *out++ = row[std::clamp(x, 0, image.width - 1)];
+  for (int y = 0; y < size; ++y) {
+    const std::uint8_t* row = image.row(std::clamp(y0 + y, 0, image.height - 1));
+    for (int x = 0; x < size; ++x) *out++ = row[std::clamp(x0 + x, 0, image.width - 1)];
   }
 }
 
@@ -51,20 +51,20 @@ void interpolate_patch(const ImageView<const std::uint8_t>& image, const Vec<flo
     row = repeated;
     stride = Size + 1;
   }
-  float upper[Size], lower[Size];
-  for (int x = 0; x < Size; ++x) {
-    const float left = row[x], right = row[x + 1];
-    upper[x] = left + ax * (right - left);
-  }
+  const auto interpolate_row = [ax](const std::uint8_t* pixels, float* between) {
+    float value[Size + 1];  // first of all out of the bytes, which could alias any store
+    for (int x = 0; x <= Size; ++x) value[x] = pixels[x];
+    for (int x = 0; x < Size; ++x) between[x] = value[x] + ax * (value[x + 1] - value[x]);
+  };
+  float rows[2][Size];
+  interpolate_row(row, rows[0]);
   float* sample = out.data();
   for (int y = 0; y < Size; ++y, sample += Size) {
     row += stride;
-    for (int x = 0; x < Size; ++x) {
-      const float left = row[x], right = row[x + 1];
-      lower[x] = left + ax * (right - left);
-      sample[x] = upper[x] + ay * (lower[x] - upper[x]);
-      upper[x] = lower[x];
-    }
+    const float* upper = rows[y % 2];
+    float* lower = rows[1 - y % 2];
+    interpolate_row(row, lower);
+    for (int x = 0; x < Size; ++x) sample[x] = upper[x] + ay * (lower[x] - upper[x]);
   }
 }
 
