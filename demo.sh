@@ -65,8 +65,12 @@ esac
 for reference in "${references[@]}"; do
   if [[ -f $dataset/$reference ]]; then
     step "Comparing with $reference"
+    to_camera=()  # the truth of EuRoC is the body's
+    if [[ $sensors == mono && $reference == mav0/* ]]; then
+      to_camera=(--to-camera "$dataset/mav0/cam0/sensor.yaml")
+    fi
     "$plumbline" evaluate --reference "$dataset/$reference" --estimate demo/trajectory.tum --align $alignment \
-      --plot demo/trajectory.png
+      --plot demo/trajectory.png "${to_camera[@]}"
     echo "drew demo/trajectory.png"
     step "Four starts, one frame apart, on a page"
     "$plumbline" compare --config "$config" --dataset "$dataset" --repeat 4 --json demo/report.json \

@@ -1,7 +1,6 @@
 #pragma once
 /// Backend: Levenberg-Marquardt over a window of K frames and the landmarks they see, with marginalization of the
-/// frames that leave and first-estimate Jacobians.
-/// docs/math/window.md
+/// frames that leave and first-estimate Jacobians.                                          docs/math/window.md
 ///
 /// One call of `optimize` minimizes  |r0 + J0 e|^2 / 2 + the links of the motion model + the terms of all features
 /// over the states of the frames; landmarks are eliminated one by one. `retire` turns a frame, and the landmarks
@@ -145,15 +144,12 @@ class WindowBackend {
     equations_.order(window_);
     Problem problem{*this, rig, landmarks, T_body_cam};
     views_.update(window_, T_body_cam);
-    ties_.for_each(landmarks, terms_,
-                   [&](auto& ties, auto& lines, auto& points, auto&, auto&) { ties.choose(lines, points, views_); });
+    ties_.choose(landmarks, views_);
     const LevenbergMarquardtSummary summary = levenberg_marquardt(problem, solver);
     views_.update(window_, T_body_cam);
-    ties_.for_each(landmarks, terms_,
-                   [&](auto& ties, auto& lines, auto& points, auto&, auto&) { ties.finish(lines, points, views_); });
+    ties_.finish(landmarks, views_);
     landmarks.for_each_with(terms_, [&](auto& store, auto& terms) { terms.finish(rig, store, window_, views_); });
-    ties_.for_each(landmarks, terms_,
-                   [&](auto& ties, auto& lines, auto& points, auto&, auto&) { ties.choose(lines, points, views_); });
+    ties_.choose(landmarks, views_);
     // For the covariance: here, not a step before, and what damped the landmarks is no knowledge.
     problem.linearize();
     problem.eliminate(solver.mu_min);
@@ -214,10 +210,7 @@ class WindowBackend {
       landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
         cost += terms.linearize(rig, store, self.window_, self.views_, self.equations_.pairs);
       });
-      self.ties_.for_each(landmarks, self.terms_, [&](auto& ties, auto& lines, auto& points, auto&, auto&) {
-        cost += ties.linearize(lines, points, self.views_);
-      });
-      return cost;
+      return cost + self.ties_.linearize(landmarks, self.views_);
     }
 
     /// The equations of the frames alone.
@@ -228,11 +221,7 @@ class WindowBackend {
       landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
         eliminated = eliminated && terms.eliminate(store, S(mu), self.equations_.pairs, self.equations_.normal);
       });
-      self.ties_.for_each(
-          landmarks, self.terms_, [&](auto& ties, auto& lines, auto& points, auto& line_terms, auto& point_terms) {
-            if (!eliminated) return;
-            ties.eliminate(lines, line_terms, points, point_terms, self.equations_.pairs, self.equations_.normal);
-          });
+      if (eliminated) self.ties_.eliminate(landmarks, self.terms_, self.equations_.pairs, self.equations_.normal);
       return eliminated;
     }
 
@@ -242,9 +231,7 @@ class WindowBackend {
       landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
         predicted_decrease += terms.solve(store, self.equations_.step, Layout::dim);
       });
-      self.ties_.for_each(landmarks, self.terms_, [&](auto& ties, auto&, auto&, auto& line_terms, auto& point_terms) {
-        predicted_decrease += ties.solve(line_terms, point_terms, self.equations_.step, Layout::dim);
-      });
+      predicted_decrease += self.ties_.solve(self.terms_, self.equations_.step, Layout::dim);
       return true;
     }
 
@@ -261,10 +248,7 @@ class WindowBackend {
       double cost = self.cost_of_frames();
       landmarks.for_each_with(
           self.terms_, [&](auto& store, auto& terms) { cost += terms.cost(rig, store, self.window_, self.views_); });
-      self.ties_.for_each(landmarks, self.terms_, [&](auto& ties, auto& lines, auto& points, auto&, auto&) {
-        cost += ties.cost(lines, points, self.views_);
-      });
-      return cost;
+      return cost + self.ties_.cost(landmarks, self.views_);
     }
 
     void accept() {}

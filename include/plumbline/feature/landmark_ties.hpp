@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "plumbline/feature/collinear_terms.hpp"
@@ -19,15 +20,49 @@ class LandmarkTies<LandmarkSet<Stores...>> {
  public:
   static constexpr bool any = (false || ... || HoldsOthers<typename Stores::Kind>);
 
-  /// visit(ties, holders, held, terms of the holders, terms of the held)
-  void for_each(auto& landmarks, auto& terms, auto&& visit) {
-    LandmarkSet<Stores...>::for_each_index([&]<std::size_t I>() {
-      if constexpr (HoldsOthers<KindOf<I>>) {
-        constexpr std::size_t J = held_by<I, 0>();
-        visit(std::get<I>(ties_), landmarks.template get<I>(), landmarks.template get<J>(), std::get<I>(terms),
-              std::get<J>(terms));
-      }
+  /// Which ties take part, from where everything is now: before an optimization, and after it for the covariance.
+  void choose(auto& landmarks, const auto& views) {
+    for_each([&](auto& ties, auto i, auto j) {
+      ties.choose(landmarks.template get<i>(), landmarks.template get<j>(), views);
     });
+  }
+  /// After an optimization: lets go of what has not fitted for long.
+  void finish(auto& landmarks, const auto& views) {
+    for_each([&](auto& ties, auto i, auto j) {
+      ties.finish(landmarks.template get<i>(), landmarks.template get<j>(), views);
+    });
+  }
+
+  /// Their cost, linearized for `eliminate`.
+  double linearize(auto& landmarks, const auto& views) {
+    double sum = 0;
+    for_each([&](auto& ties, auto i, auto j) {
+      sum += ties.linearize(landmarks.template get<i>(), landmarks.template get<j>(), views);
+    });
+    return sum;
+  }
+  double cost(auto& landmarks, const auto& views) {
+    double sum = 0;
+    for_each([&](auto& ties, auto i, auto j) {
+      sum += ties.cost(landmarks.template get<i>(), landmarks.template get<j>(), views);
+    });
+    return sum;
+  }
+
+  /// After the landmarks' own terms have been eliminated.                                   solver.md (13)
+  void eliminate(auto& landmarks, auto& terms, const auto& pairs, auto& normal) {
+    for_each([&](auto& ties, auto i, auto j) {
+      ties.eliminate(landmarks.template get<i>(), std::get<i>(terms), landmarks.template get<j>(), std::get<j>(terms),
+                     pairs, normal);
+    });
+  }
+  /// The steps of the landmarks, corrected by those of what holds them; returns the predicted decrease.
+  double solve(auto& terms, const auto& step, int stride) {
+    double decrease = 0;
+    for_each([&](auto& ties, auto i, auto j) {
+      decrease += ties.solve(std::get<i>(terms), std::get<j>(terms), step, stride);
+    });
+    return decrease;
   }
 
  private:
@@ -44,6 +79,16 @@ class LandmarkTies<LandmarkSet<Stores...>> {
     } else {
       return held_by<I, J + 1>();
     }
+  }
+
+  /// visit(ties, index of the kind that holds, index of the kind that is held)
+  void for_each(auto&& visit) {
+    LandmarkSet<Stores...>::for_each_index([&]<std::size_t I>() {
+      if constexpr (HoldsOthers<KindOf<I>>) {
+        visit(std::get<I>(ties_), std::integral_constant<std::size_t, I>(),
+              std::integral_constant<std::size_t, held_by<I, 0>()>());
+      }
+    });
   }
 
   template <std::size_t I>

@@ -385,7 +385,7 @@ class CollinearSegments {
   LineTracker tracker_;
   Detector detector_;
   FixedVector<LineSegment, 300> detected_;
-  FixedVector<Pair, 1024> segments_of_;  ///< of each point, by its place in the store
+  FixedVector<Pair, 1024> segments_of_;  ///< of each point, by its place in the store; later ones have none
 };
 
 }  // namespace plumbline

@@ -42,7 +42,7 @@ struct InertialAlignmentOptions {
   double accel_bias_sigma = 0.1;  ///< prior [m/s^2]
   std::size_t min_frames = 5;
   double max_gyro_residual = 0.02;  ///< [rad]
-  double max_chi2 = 3;  ///< for each degree of freedom: poses that agree have below 1, their errors are shared
+  double max_chi2 = 3;              ///< for each degree of freedom; poses that agree have below 1
   double max_gravity_error = 0.1;   ///< of its length before it is fixed, relative, beyond three sigma of it
   double max_gravity_sigma = 0.05;  ///< [rad]
   double max_scale_sigma = 0.1;     ///< relative

@@ -93,7 +93,7 @@ inline Scene make_boards(std::uint32_t seed) {
   constexpr double hx = 3.2, hy = 2.7, height = 2.7, pitch = 0.75;
   Scene scene;
   Furnisher add(scene, seed, false);
-  const auto plain = [&](float base) { return add.material(Pattern::plain, base, 0); };
+  const auto plain = [&](float base) { return add.material(Pattern::plain, base, 0.02f); };
   add_floor_and_ceiling(scene, hx, hy, height, plain(0.35f), plain(0.75f));
   const std::array<SE3<double>, 4> walls = {placement(hx, 0, 0, pi / 2), placement(0, hy, 0, pi),
                                             placement(-hx, 0, 0, -pi / 2), placement(0, -hy, 0, 0)};
