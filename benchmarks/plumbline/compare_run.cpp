@@ -99,7 +99,7 @@ Observed observe(const CompareJob& job, io::Recording& recording, Runner& runner
   const io::CameraCalibration& camera = recording.calibration().camera;
   Observed out;
   io::Recording::Sample sample;
-  while (recording.next(sample)) {
+  while (recording.next(sample, runner.time_offset_s())) {
     if (const auto* imu = std::get_if<pl::ImuSample>(&sample)) {
       if (needs.imu) runner.add_imu(*imu);
       continue;
@@ -121,7 +121,7 @@ Observed observe(const CompareJob& job, io::Recording& recording, Runner& runner
     if (!output.refused) out.cpu_ms.push_back(cpu_time_ms() - begin_ms);
     add(out, t_s, output, runner);
     if (!output.has_sound_pose()) continue;
-    out.poses.push_back({frame.t_ns, output.estimate.T_world_body});
+    out.poses.push_back({output.pose_ns(), output.estimate.T_world_body});
     if (!output.estimate.keyframe) continue;
     for (const MapFeature& feature : runner.map()) out.map.insert_or_assign({feature.kind, feature.id}, feature);
   }

@@ -74,6 +74,8 @@ class EstimatorRunner final : public Runner {
     return out;
   }
 
+  double time_offset_s() const override { return estimator_->rig_state().time_offset_s(); }
+
   std::vector<plumbline::Vec<double, 3>> landmarks() const override {
     std::vector<plumbline::Vec<double, 3>> points;
     const auto& window = estimator_->backend().window();

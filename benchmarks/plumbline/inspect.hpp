@@ -47,6 +47,7 @@ FeatureInspection inspect_features(const Store& store) {
 template <class S>
 plumbline::Estimate<double> to_double(const plumbline::Estimate<S>& e) {
   return {e.t_ns,
+          e.time_offset_s,
           e.T_world_body.template cast<double>(),
           e.covariance.template cast<double>(),
           e.v_world_body.template cast<double>(),
@@ -66,11 +67,15 @@ Inspection inspect(const Estimator& estimator, plumbline::TimeNs previous_ns) {
   Inspection out{to_double(estimator.latest()), double(estimator.rig_state().readout().value_s), {}, std::nullopt};
   bool has_pose = out.estimate.health.state != plumbline::HealthState::initializing;
   if constexpr (std::remove_cvref_t<decltype(rig)>::has_imu) {
-    const plumbline::TimeNs offset_ns = std::llround(1e9 * rig.imu.camera_time_offset_s);
+    const plumbline::TimeNs offset_ns = std::llround(1e9 * estimator.rig_state().time_offset_s());
     InertialInspection inertial{
         estimator.init_report(), estimator.at_rest(),
         estimator.imu().for_each_interval(previous_ns + offset_ns, out.estimate.t_ns + offset_ns, [](const auto&) {}),
-        std::nullopt};
+        std::nullopt,
+        estimator.rig_state().time_offset_s() - rig.imu.camera_time_offset_s,
+        estimator.camera_imu().rotation_error(),
+        estimator.camera_imu().rotation_sigma(),
+        estimator.camera_imu().doubts_mount()};
     has_pose = inertial.start.stage == plumbline::InitStage::done;  // before, map and pose are of two worlds
     plumbline::Mat<S, 15, 15> covariance;
     if constexpr (requires { estimator.backend().covariance_of_newest(covariance); }) {  // not of the pose alone

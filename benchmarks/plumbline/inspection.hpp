@@ -39,6 +39,10 @@ struct InertialInspection {
   bool at_rest;
   plumbline::ImuCoverage coverage;                 ///< of the time since the last frame
   std::optional<plumbline::Vec<double, 9>> sigma;  ///< of velocity, gyroscope bias, accelerometer bias
+  double time_offset_s;                            ///< of the camera's clock, beyond the calibration's
+  plumbline::Vec<double, 3> turned;                ///< the camera seems so, against T_body_camera [rad]
+  double turned_sigma;                             ///< [rad]
+  bool doubts_mount;                               ///< that is too much
 };
 
 struct Inspection {

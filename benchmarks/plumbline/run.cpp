@@ -101,7 +101,7 @@ int run_configuration(const RunOptions& options) {
   RunTally tally;
   Progress progress(configuration.name, recording.frame_count());
   pl::io::Recording::Sample sample;
-  for (; recording.next(sample); progress.show(tally.read())) {
+  for (; recording.next(sample, runner->time_offset_s()); progress.show(tally.read())) {
     if (const pl::ImuSample* imu = std::get_if<pl::ImuSample>(&sample)) {
       if (configuration.needs.imu) runner->add_imu(*imu);
       continue;
@@ -123,7 +123,7 @@ int run_configuration(const RunOptions& options) {
     const bool is_in_trajectory = options.all_poses ? output.has_pose() : output.has_sound_pose();
     tally.add(output, is_in_trajectory);
     if (output.refused) progress.note("refused: " + frame.image.string() + ": " + name_of(*output.refused));
-    if (is_in_trajectory) files.add_pose(frame.t_ns, output);
+    if (is_in_trajectory) files.add_pose(output.pose_ns(), output);
     files.add_timing(frame.t_ns, output);
     if (files.has_states()) files.add_state(frame.t_ns, output, runner->inspect());
     if (debug) debug->add(tally.read() - 1, frame.t_ns, images.gray, output, runner->inspect());
@@ -140,5 +140,6 @@ int run_configuration(const RunOptions& options) {
   files.commit_all();
   if (tally.is_mostly_without()) progress.note("plumbline: warning: " + why);
   std::puts(tally.summary().c_str());
+  std::fputs(found_wrong(recording.calibration(), runner->inspect()).c_str(), stdout);
   return 0;
 }

@@ -34,7 +34,7 @@ std::string state_header() {
     for (const char* axis : {"_x", "_y", "_z"}) header += std::string(",") + name + axis;
   for (int i = 0; i < 6; ++i)
     for (int j = i; j < 6; ++j) header += format(",covariance_%d%d", i, j);
-  return header + ",readout_s\n";
+  return header + ",readout_s,time_offset_s,turned_x,turned_y,turned_z\n";
 }
 
 /// Numbers as cells, or empty ones.
@@ -90,7 +90,11 @@ void RunFiles::add_state(pl::TimeNs t_ns, const FrameOutput& output, const Inspe
   row += cells(has_sigmas, has_sigmas ? *inspection.inertial->sigma : pl::Vec<double, 9>::Zero().eval());
   for (int i = 0; i < 6; ++i)
     for (int j = i; j < 6; ++j) row += has_pose ? format(",%.9g", estimate.covariance(i, j)) : ",";
-  states_->stream() << row << format(",%.9g\n", inspection.readout_s);
+  row += format(",%.9g", inspection.readout_s);
+  row += inspection.inertial ? format(",%.9g", inspection.inertial->time_offset_s) : ",";
+  row += cells(inspection.inertial.has_value(),
+               inspection.inertial ? inspection.inertial->turned : pl::Vec<double, 3>::Zero().eval());
+  states_->stream() << row << '\n';
 }
 
 void RunFiles::add_landmarks(const std::vector<pl::Vec<double, 3>>& points) {

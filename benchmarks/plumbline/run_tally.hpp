@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/io/calibration_data.hpp"
 #include "runner.hpp"
 
 class RunTally {
@@ -38,3 +39,6 @@ class RunTally {
   std::vector<double> total_ms_;
   std::map<std::string, Reason> reasons_;  // of frames without a sound pose
 };
+
+/// What the estimator found to be wrong with the calibration of a rig with an IMU, line by line.
+std::string found_wrong(const plumbline::io::Calibration& calibration, const Inspection& last);

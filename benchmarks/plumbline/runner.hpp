@@ -2,6 +2,7 @@
 /// Every configuration of the estimator behind one interface, and the list of them (configurations.cmake); each is a
 /// translation unit of its own because each is a type of its own.
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -29,6 +30,8 @@ struct FrameOutput {
   plumbline::InitReport start;              ///< how far it has come, or what keeps it
   bool is_rough = false;                    ///< the pose is in metres that the start has only guessed so far
 
+  /// Of the pose, on the IMU's clock.
+  plumbline::TimeNs pose_ns() const { return estimate.t_ns + std::llround(1e9 * estimate.time_offset_s); }
   plumbline::HealthState health() const { return estimate.health.state; }
   bool has_pose() const { return !refused && health() != plumbline::HealthState::initializing; }
   bool has_sound_pose() const { return has_pose() && !is_rough && health() != plumbline::HealthState::lost; }
@@ -53,6 +56,8 @@ class Runner {
   virtual void add_imu(const plumbline::ImuSample& sample) = 0;
   /// `depth` is empty where there is none.
   virtual FrameOutput add_frame(plumbline::TimeNs t_ns, const cv::Mat& gray, const cv::Mat& depth) = 0;
+  /// Of the camera's clock: a frame needs the readings up to so much later.
+  virtual double time_offset_s() const = 0;
   /// Points of the present map, in world coordinates [m].
   virtual std::vector<plumbline::Vec<double, 3>> landmarks() const = 0;
   /// Points and edges of the present map that are worth a picture: their distances are known to a fifth.

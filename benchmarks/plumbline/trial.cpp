@@ -1,6 +1,7 @@
 #include "trial.hpp"
 
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <stdexcept>
 
@@ -48,21 +49,30 @@ std::vector<JudgedFrame> run_trial(const Configuration& configuration, const Loa
   const auto runner = configuration.make(recording.calibration);
   std::vector<JudgedFrame> frames;
   std::vector<EstimatedPose> poses;
+  const auto use = [&](const Picture& picture) {
+    const FrameOutput output = runner->add_frame(picture.t_ns, picture.gray, picture.depth);
+    if (output.refused) return;
+    frames.push_back({output.pose_ns(), output.estimate, std::nan(""), std::nan(""), std::nan("")});
+    if (output.has_sound_pose())
+      poses.push_back({output.pose_ns(), output.estimate.T_world_body, output.estimate.covariance});
+  };
+  std::deque<Picture> waiting;  // for readings, where the camera's clock is behind
+  const auto use_until = [&](pl::TimeNs t_ns) {
+    for (; !waiting.empty(); waiting.pop_front()) {
+      if (waiting.front().t_ns + std::llround(1e9 * runner->time_offset_s()) > t_ns) return;
+      use(waiting.front());
+    }
+  };
   for (Event event : recording.events) {
     const auto t_ns = std::visit([](const auto& e) { return e.t_ns; }, event);
     if (t_ns < begin_ns || t_ns > end_ns + 20'000'000 || !spoil(event)) continue;
-    if (const auto* imu = std::get_if<pl::ImuSample>(&event)) {
+    if (const auto* imu = std::get_if<pl::ImuSample>(&event))
       runner->add_imu(*imu);
-      continue;
-    }
-    const Picture& picture = std::get<Picture>(event);
-    if (picture.t_ns > end_ns) break;
-    const FrameOutput output = runner->add_frame(picture.t_ns, picture.gray, picture.depth);
-    if (output.refused) continue;
-    frames.push_back({picture.t_ns, output.estimate, std::nan(""), std::nan(""), std::nan("")});
-    if (output.has_sound_pose())
-      poses.push_back({picture.t_ns, output.estimate.T_world_body, output.estimate.covariance});
+    else if (t_ns <= end_ns)
+      waiting.push_back(std::get<Picture>(event));
+    use_until(t_ns);
   }
+  for (const Picture& picture : waiting) use(picture);
   std::size_t next = 0;
   for (const TruthError& each : compare_with_truth(recording.truth, poses, configuration.needs.imu)) {
     while (frames[next].t_ns != each.t_ns) ++next;

@@ -62,4 +62,28 @@ within semi-direct-vio euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
 camera_within mono/points+lines/direct rendered_office_mono 0.008 90
 camera_within mono/points+lines/direct euroc_mh01_flight 0.04 49
 camera_within mono/lines/window rendered_office_mono 0.15 90
+
+# Images whose stamps are 50 ms late or early: the clock is found to a millisecond.
+for shift_ms in 50 -50; do
+  name=rendered_office_mono
+  shifted=shifted_$shift_ms
+  rm -rf "$shifted"
+  mkdir -p "$shifted/mav0/cam0"
+  for kept in "$data/$name"/mav0/{imu0,state_groundtruth_estimate0} "$data/$name"/mav0/cam0/{data,sensor.yaml}; do
+    ln -s "$kept" "$shifted/${kept#"$data/$name/"}"
+  done
+  while IFS=, read -r stamp image; do
+    [[ $stamp == '#'* ]] || stamp=$((stamp + shift_ms * 1000000))
+    echo "$stamp,$image"
+  done < "$data/$name/mav0/cam0/data.csv" > "$shifted/mav0/cam0/data.csv"
+  "$plumbline" run --config mono-imu/points/window --dataset "$shifted" --trajectory out.tum > log.txt 2> /dev/null
+  "$plumbline" evaluate --reference "$data/$name/$euroc_truth" --estimate out.tum --align posyaw > error.txt
+  ate=$(awk '/^APE translation/ {print $4}' error.txt)
+  found_ms=$(awk '/^calibration: time_offset_s is/ {print 1e3 * $4}' log.txt)
+  echo "stamps by $shift_ms ms: found $found_ms ms, ATE $ate m"
+  awk -v found="${found_ms:-0}" -v shift="$shift_ms" 'BEGIN {d = found + shift; exit !(d * d < 1)}' ||
+    fail "stamps by $shift_ms ms: found $found_ms ms"
+  awk -v ate="$ate" 'BEGIN {exit !(ate < 0.015)}' || fail "stamps by $shift_ms ms: ATE $ate m"
+done
+
 finish

@@ -64,10 +64,14 @@ TEST_CASE("rig_state: a readout that is known stays as it is") {
   REQUIRE(rig_state.readout().value_s == 0.01);
 }
 
-TEST_CASE("rig_state: extrinsics are those of the calibration") {
+TEST_CASE("rig_state: extrinsics and clock are those of the calibration, until the clock is found to be another") {
   Rig<Mono<Pinhole<float>>, Imu> rig{};
   rig.imu.T_body_cam = SE3<double>(SO3<double>::exp({0.1, 0.2, 0.3}), Vec<double, 3>(1, 2, 3));
-  const RigState<Rig<Mono<Pinhole<float>>, Imu>> rig_state(rig, {});
+  rig.imu.camera_time_offset_s = 0.01;
+  RigState<Rig<Mono<Pinhole<float>>, Imu>> rig_state(rig, {});
+  REQUIRE(rig_state.time_offset_s() == 0.01);
+  rig_state.set_time_offset(-0.02);
+  REQUIRE(rig_state.time_offset_s() == -0.02);
   REQUIRE(minus(rig_state.T_body_cam(), rig.imu.T_body_cam.cast<float>()).norm() < 1e-6f);
   REQUIRE(RigState<RigOf<double, Global>>({}, {}).T_body_cam().log().norm() == 0);
 }

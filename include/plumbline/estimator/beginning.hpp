@@ -151,7 +151,7 @@ class Beginning {
       wait(odometry, HealthReason::aligning, InitStage::aligning);
       publish_rough(odometry);
       return start_.add(view.t_ns, odometry.window().latest().T_world_body * view.T_body_cam,
-                        odometry.motion.imu().since_frame());
+                        odometry.motion.imu().since_frame(), odometry.rig_state.time_offset_s());
     }
   }
   /// Vision and IMU agree, perhaps: then the map becomes metric.
@@ -162,7 +162,9 @@ class Beginning {
       for (int slot = 0; slot < window.slots; ++slot) {
         if (window[slot].used) start_.correct(window[slot].t_ns, window.T_world_body(slot) * view.T_body_cam);
       }
-      if (!start_.align(T_body_cam, odometry.options.motion.gravity, report_)) return publish_rough(odometry);
+      if (!start_.align(T_body_cam, odometry.options.motion.gravity, report_) ||
+          !start_.is_in_time(odometry.motion.camera_imu(), seconds_between(first_view_ns_, view.t_ns)))
+        return publish_rough(odometry);
       const State before = odometry.window().latest();
       odometry.landmarks.for_each([&](auto& store) { store.rescale(start_.scale()); });
       odometry.backend.restart([&](int slot) { return state_of(odometry.window().T_world_body(slot), T_body_cam); },
@@ -216,7 +218,7 @@ class Beginning {
     if constexpr (!is_complete) {
       start_.clear();
       start_.add(view.t_ns, odometry.window().latest().T_world_body * view.T_body_cam,
-                 odometry.motion.imu().since(odometry.window().latest()));
+                 odometry.motion.imu().since(odometry.window().latest()), odometry.rig_state.time_offset_s());
     }
   }
 

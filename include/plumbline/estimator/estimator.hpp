@@ -40,8 +40,8 @@ class Estimator {
   explicit Estimator(const Sensors& rig, const Options& options = {})
       : core_(rig, options), beginning_(options.start) {}
 
-  /// One reading, before the frame that comes after it. Between two frames the order does not matter. Errors as in
-  /// ImuBuffer.
+  /// One reading, before the frame that comes after it: readings up to the frame's time plus the time offset, as far as
+  /// it is known (`latest().time_offset_s`). Between two frames the order does not matter. Errors as in ImuBuffer.
   Result<typename ImuBuffer<>::Accepted> add_imu(const ImuSample& sample) requires Sensors::has_imu {
     const State latest = core_.window().latest();
     return core_.motion.imu().add(sample, beginning_.has_first_view() ? &latest : nullptr);
@@ -82,6 +82,8 @@ class Estimator {
   const Map& map() const { return core_.map; }
   const RigState<Sensors>& rig_state() const { return core_.rig_state; }
   const ImuBuffer<>& imu() const requires Sensors::has_imu { return core_.motion.imu().buffer(); }
+  /// What is found out about the camera's clock and mount while running.
+  const CameraImuFilter& camera_imu() const requires Sensors::has_imu { return core_.motion.camera_imu(); }
   /// Whether the body stands still, as image and IMU have it.
   bool at_rest() const requires Sensors::has_imu { return core_.motion.at_rest(); }
 

@@ -53,10 +53,11 @@ class Recording {
 
   /// The next item, false after the last frame. Before each frame come all IMU samples up to its time and the first one
   /// at or after it, so that the estimator can interpolate to the image's time; the stream begins with the last IMU
-  /// sample at or before the first frame.
-  bool next(Sample& out) {
+  /// sample at or before the first frame. Its time is that in the file and, where the camera's clock was found to be
+  /// off, `time_offset_s` later.
+  bool next(Sample& out, double time_offset_s = 0) {
     if (frame_ == frame_count()) return false;
-    const TimeNs t = files_.frames[frame_].t_ns;
+    const TimeNs t = files_.frames[frame_].t_ns + std::llround(1e9 * time_offset_s);
     const bool reached = imu_ > 0 && files_.imu[imu_ - 1].t_ns >= t;
     if (has_imu() && !reached && imu_ < files_.imu.size()) {
       out = files_.imu[imu_++];

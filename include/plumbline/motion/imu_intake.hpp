@@ -35,6 +35,9 @@ class ImuIntake {
     between_frames_ = false;
   }
 
+  /// The clock of the camera is set; what lies between the last frame's time before and after is of the next one.
+  void set_camera_time_offset(double offset_s) { camera_time_offset_s_ = offset_s; }
+
   /// No reading yet, about the biases of a state.
   Preintegration<S> since(const NavState<S>& state) const {
     return Preintegration<S>(noise_, state.bias_gyro, state.bias_accel);

@@ -18,6 +18,7 @@
 #include "plumbline/motion/inertial_links.hpp"
 #include "plumbline/motion/motion_model.hpp"
 #include "plumbline/sensor/rig.hpp"
+#include "plumbline/state/camera_imu_filter.hpp"
 #include "plumbline/state/frame_state.hpp"
 
 namespace plumbline {
@@ -39,6 +40,7 @@ struct InertialOptions : InertialLinkOptions {
   double rest_hysteresis = 2;     ///< limits are this much wider for a body at rest
   double max_rest_link_s = 2;     ///< a standstill goes on for ever, its readings are of use for so long
   StandstillOptions standstill;
+  CameraImuOptions camera_imu;
 };
 
 template <SensorRig SensorsT>
@@ -58,15 +60,24 @@ class Inertial {
       : options_(options),
         gravity_(gravity_in_world<S>(S(options.gravity))),
         imu_(rig.imu, inflated(rig.imu.noise, options)),
-        since_keyframe_(imu_.since(State{})) {}
+        since_keyframe_(imu_.since(State{})),
+        camera_imu_(options.camera_imu) {}
 
   const Options& options() const { return options_; }
   ImuIntake<S>& imu() { return imu_; }
   const ImuIntake<S>& imu() const { return imu_; }
 
+  /// What was found out about camera and IMU is in force from the next frame on. Returns the camera's time offset [s].
+  double calibrate(auto& rig) {
+    rig.set_time_offset(rig.time_offset_s() + camera_imu_.take_time_offset());
+    imu_.set_camera_time_offset(rig.time_offset_s());
+    return rig.time_offset_s();
+  }
   void begin_frame(TimeNs t_ns, const State* latest, S dt) {
     if (latest) {
       imu_.integrate(t_ns, *latest);
+      if (imu_.missing()) camera_imu_.forget_world();
+      camera_imu_.propagate(imu_.since_frame().increment());
       since_keyframe_.append(imu_.since_frame());
       blind_since_keyframe_ = blind_since_keyframe_ || imu_.blind();
       const S duration = imu_.since_frame().increment().duration;
@@ -124,6 +135,7 @@ class Inertial {
 
   State update(const State& predicted, const SE3<S>& T, const Mat<S, 6, 6>& covariance, const View<Sensors>& view) {
     State x = predicted;
+    compare_orientation(T.rotation(), covariance, predicted.bias_gyro);
     if (is_metric_ && !imu_.blind()) look_for_jump(x, T, covariance, view.dt);
     if (!is_metric_) x.v_world_body = (T.p() - view.T_world_previous.p()) / view.dt;
     if (!is_metric_ || imu_.blind()) x.T_world_body = T;
@@ -148,15 +160,22 @@ class Inertial {
   /// In a world of its own: what is kept are the biases.
   State restart(const State& latest) {
     is_metric_ = false;
+    camera_imu_.forget_world();
     State x = latest;
     x.T_world_body = {};
     x.v_world_body.setZero();
     return x;
   }
 
+  const CameraImuFilter& camera_imu() const { return camera_imu_; }
+
   /// Whether scale, gravity, velocities and biases are known.
   bool is_metric() const { return is_metric_; }
-  void become_metric() { is_metric_ = true; }
+  void become_metric() {
+    is_metric_ = true;
+    camera_imu_.forget_mount();
+    camera_imu_.forget_world();
+  }
   bool ties_frames() const { return is_metric_; }
 
   Link link(int keyframe) const { return {keyframe, since_keyframe_, at_rest_, jumped_since_keyframe_}; }
@@ -199,6 +218,14 @@ class Inertial {
   const Vec<S, 3>& angular_rate() const { return angular_rate_; }
 
  private:
+  /// How images and readings turn tells how camera and IMU stand to each other.
+  void compare_orientation(const SO3<S>& R, const Mat<S, 6, 6>& covariance, const Vec<S, 3>& bias_gyro) {
+    if (imu_.since_frame().empty()) return;
+    const Vec<S, 3> rate = imu_.since_frame().intervals().back().mean_gyro() - bias_gyro;
+    camera_imu_.update(R.template cast<double>(), block<3, 3>(covariance, 0, 0).template cast<double>(),
+                       rate.template cast<double>());
+  }
+
   /// Images that turn otherwise than the gyroscope, for some time, always alike and beyond doubt: its bias has jumped.
   /// d is log of what the prediction lacks, d = -(b - b_then) dt; the variance is that of the mean.
   void look_for_jump(State& x, const SE3<S>& T, const Mat<S, 6, 6>& covariance, S dt) {
@@ -239,6 +266,7 @@ class Inertial {
   Vec<S, 3> gravity_;
   ImuIntake<S> imu_;
   Preintegration<S> since_keyframe_;
+  CameraImuFilter camera_imu_;
   Vec<S, 3> angular_rate_ = Vec<S, 3>::Zero();
   Vec<S, 3> rate_error_ = Vec<S, 3>::Zero();  ///< see look_for_jump [rad/s]
   S rate_variance_ = S(0);

@@ -2,6 +2,8 @@
 /// A motion model says where the next frame is expected and how sure that is, and ties the frames of the window
 /// together by links. It owns what the sensors of the motion have told since the latest frame.
 ///
+///   calibrate         corrects what is believed of the rig (RigState) by what was found out about it; returns the time
+///                     offset of the camera [s]
 ///   begin_frame       takes in what was measured up to a frame; the latest state is null before the first one
 ///   predict           the frame's state, before its features are used. `align_rotation(guess)` is what the images say
 ///                     of the camera's rotation since the previous one; `blind_s`: since when images are of no use

@@ -2,6 +2,8 @@
 /// Start of a rig with an IMU, on top of that of its camera: vision alone, until its poses and the IMU agree on scale,
 /// gravity, velocities and biases.                                                docs/math/inertial_window.md
 
+#include <cmath>
+
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
 #include "plumbline/imu/gravity.hpp"
@@ -10,6 +12,7 @@
 #include "plumbline/motion/imu_intake.hpp"
 #include "plumbline/start/alignment_window.hpp"
 #include "plumbline/start/start_report.hpp"
+#include "plumbline/state/camera_imu_filter.hpp"
 #include "plumbline/state/layout.hpp"
 
 namespace plumbline {
@@ -22,6 +25,9 @@ struct InertialStartOptions {
   double max_rough_scale_sigma = 0.7;  ///< relative, of a pose that is published although its scale is uncertain
   double settling_s = 3;               ///< after the start of a camera without depth its scale is not certain
   double max_accel_bias_sigmas = 10;   ///< of accel_bias_sigma, when images and readings are first solved together
+  double max_time_error_s = 2e-3;      ///< the camera's clock was wrong by more: poses are gathered anew
+  double max_time_sigma_s = 3e-3;      ///< of the camera's clock, when images and readings are first solved together
+  double max_time_wait_s = 2;          ///< for that
   InertialAlignmentOptions alignment;
 };
 
@@ -43,8 +49,13 @@ class InertialStart {
     window_.clear();
     has_estimate_ = false;
   }
-  /// One more of them, with the readings since the frame before. True when it is worth trying to align.
-  bool add(TimeNs t_ns, const SE3<S>& T_ref_cam, const Preintegration<S>& since_last) {
+  /// One more of them, with the readings since the frame before and the camera's clock that they were cut by; when that
+  /// turns out to be another, the series begins with it. True when it is worth trying to align.
+  bool add(TimeNs t_ns, const SE3<S>& T_ref_cam, const Preintegration<S>& since_last, double time_offset_s) {
+    if (!(std::abs(time_offset_s - time_offset_s_) < options_.max_time_error_s)) {
+      clear();
+      time_offset_s_ = time_offset_s;
+    }
     return window_.add(t_ns, T_ref_cam, since_last, options_.frame_interval_s);
   }
   /// A keyframe of that time was solved for again.
@@ -69,6 +80,11 @@ class InertialStart {
     has_estimate_ = true;
     gravity_ref_ = found_.R_world_ref.inverse() * gravity_in_world<S>(S(gravity));
     return bool(found_);
+  }
+
+  /// Whether the camera's clock seems right, or will not be found out in reasonable time.
+  bool is_in_time(const CameraImuFilter& found, double since_first_view_s) const {
+    return found.believes_clock(options_.max_time_sigma_s) || since_first_view_s > options_.max_time_wait_s;
   }
 
   /// Whether there is an alignment, if a rough one.
@@ -117,6 +133,7 @@ class InertialStart {
   AlignmentWindow<S> window_;
   typename AlignmentWindow<S>::Outcome found_;
   bool has_estimate_ = false;
+  double time_offset_s_ = 0;  ///< that the series is cut by
   Vec<S, 3> gravity_ref_ = Vec<S, 3>::Zero();
 };
 

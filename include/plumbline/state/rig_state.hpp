@@ -2,8 +2,8 @@
 /// What is believed of the rig: where the camera sits, how its clock stands to the IMU's, how fast its rows are read.
 /// Everybody asks here, nobody the calibration, so that what is found out while running is in force everywhere.
 ///
-/// Of the blocks of the rig (state/block.hpp) the readout time is estimated today; extrinsics and time offset are those
-/// of the calibration.
+/// Of the blocks of the rig (state/block.hpp) the readout time is estimated here, the time offset by the motion model that
+/// knows the IMU; extrinsics are those of the calibration.
 
 #include "plumbline/core/present.hpp"
 #include "plumbline/lie/se3.hpp"
@@ -20,10 +20,15 @@ class RigState {
   using Readouts = Present<ReadoutFilter<S>, Sensors::rolls>;
 
   RigState(const Sensors& rig, const ReadoutOptions& options)
-      : T_body_cam_(rig.T_body_cam()), readout_(ReadoutFilter<S>(rig.vision.readout.get(), options)) {}
+      : T_body_cam_(rig.T_body_cam()), readout_(ReadoutFilter<S>(rig.vision.readout.get(), options)) {
+    if constexpr (Sensors::has_imu) time_offset_s_.set(rig.imu.camera_time_offset_s);
+  }
 
   /// state::Extrinsics
   const SE3<S>& T_body_cam() const { return T_body_cam_; }
+  /// state::TimeOffset; zero without an IMU.
+  double time_offset_s() const { return time_offset_s_.get(); }
+  void set_time_offset(double offset_s) { time_offset_s_.set(offset_s); }
   /// state::ReadoutTime; zero, and known, of a global shutter.
   Readout<S> readout() const { return readout_.get().readout(); }
 
@@ -39,6 +44,7 @@ class RigState {
 
  private:
   SE3<S> T_body_cam_;
+  [[no_unique_address]] Present<double, Sensors::has_imu> time_offset_s_;
   [[no_unique_address]] Readouts readout_;
 };
 
