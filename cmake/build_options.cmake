@@ -5,6 +5,8 @@ target_compile_options(plumbline_build_options INTERFACE -Wall -Wextra -Wpedanti
   $<$<BOOL:${PLUMBLINE_WERROR}>:-Werror> $<$<BOOL:${PLUMBLINE_NATIVE}>:-march=native>
   # Two false alarms of GCC 12: Eigen's packet loop over a Vec<float, 3>, which never runs; "a" + std::to_string(b).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds$<SEMICOLON>-Wno-restrict>
+  # The compiler need not collect its garbage before it has a gigabyte: up to a tenth less time.
+  $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>
   # And two of its AVX-512 intrinsics.
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${PLUMBLINE_NATIVE}>>:-Wno-maybe-uninitialized$<SEMICOLON>-Wno-uninitialized>)
 if(PLUMBLINE_SANITIZE)

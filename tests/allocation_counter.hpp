@@ -4,7 +4,7 @@
 // All of them are replaced, so that new and delete fit together under a sanitizer that has its own.
 
 #ifdef EIGEN_CORE_H
-#error "allocation_counter.hpp comes before any header of Eigen"
+#error "allocation_counter.hpp comes before any header of Eigen, also a precompiled one: see tests/CMakeLists.txt"
 #endif
 
 #include <atomic>
