@@ -69,7 +69,8 @@ Inspection inspect(const Estimator& estimator, plumbline::TimeNs previous_ns) {
   if constexpr (std::remove_cvref_t<decltype(rig)>::has_imu) {
     const plumbline::TimeNs offset_ns = std::llround(1e9 * estimator.rig_state().time_offset_s());
     InertialInspection inertial{
-        estimator.init_report(), estimator.at_rest(),
+        estimator.init_report(),
+        estimator.at_rest(),
         estimator.imu().for_each_interval(previous_ns + offset_ns, out.estimate.t_ns + offset_ns, [](const auto&) {}),
         std::nullopt,
         estimator.rig_state().time_offset_s() - rig.imu.camera_time_offset_s,

@@ -108,8 +108,9 @@ std::string found_wrong(const pl::io::Calibration& calibration, const Inspection
                   calibration.camera_time_offset_s + last.inertial->time_offset_s, calibration.camera_time_offset_s);
   const pl::Vec<double, 3> turned = degrees * last.inertial->turned;
   if (last.inertial->doubts_mount)
-    out += format("calibration: the camera turns as if it were mounted otherwise, T_body_camera turned by "
-                  "[%.1f %.1f %.1f] +- %.1f degrees about the axes of the body; the run did not correct it\n",
-                  turned.x(), turned.y(), turned.z(), degrees * last.inertial->turned_sigma);
+    out += format(
+        "calibration: the camera turns as if it were mounted otherwise, T_body_camera turned by "
+        "[%.1f %.1f %.1f] +- %.1f degrees about the axes of the body; the run did not correct it\n",
+        turned.x(), turned.y(), turned.z(), degrees * last.inertial->turned_sigma);
   return out;
 }

@@ -61,9 +61,7 @@ class Body {
   SO3<double> orientation(double t) const {
     return SO3<double>::exp(activity_ * Vec3(0.5 * std::sin(2.1 * t), 0.4 * std::sin(1.3 * t + 1), 0.6 * std::sin(t)));
   }
-  Vec3 gyro(double t) const {
-    return (orientation(t - h).inverse() * orientation(t + h)).log() / (2 * h) + bias_;
-  }
+  Vec3 gyro(double t) const { return (orientation(t - h).inverse() * orientation(t + h)).log() / (2 * h) + bias_; }
 
   Wrong wrong_;
   double activity_, t_ = 0, integrated_ = 0, in_force_s_ = 0;
@@ -127,6 +125,15 @@ TEST_CASE("camera_imu_filter: survives another world, a jump of the bias, and a 
   still.run<double>(nothing, 20);
   REQUIRE(still.time_offset_s() == 0);
   REQUIRE(nothing.time_offset_sigma() > 0.03);
+}
+
+TEST_CASE("camera_imu_filter: no clock is corrected without end") {
+  CameraImuOptions options;
+  options.max_correction_s = 0.03;
+  CameraImuFilter filter(options);
+  Body body({0.05});
+  body.run<double>(filter, 20);
+  REQUIRE(body.time_offset_s() == 0.03);
 }
 
 TEST_CASE("camera_imu_filter: what is known is not estimated") {

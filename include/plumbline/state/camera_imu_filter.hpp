@@ -26,6 +26,7 @@ struct CameraImuOptions {
   double rotation_doubt = 4;          ///< the mount is wrong beyond so many sigma
   double min_rotation = 0.01;         ///< and if it is by more [rad]
   double max_step_s = 0.01;           ///< of the clock, in one frame
+  double max_correction_s = 0.15;     ///< of the clock, in all
   double step_error = 0.2;            ///< part of a correction of the clock that remains in doubt
   double angular_acceleration = 2;    ///< usual [rad/s^2]
   double bias_sigma = 0.1;            ///< of the gyroscope, when nothing is known of it [rad/s]
@@ -58,7 +59,8 @@ class CameraImuFilter {
   }
   /// Whether the mount is wrong beyond doubt; not after the clock was, which looks alike.
   bool doubts_mount() const {
-    return !clock_is_wrong_ && phi_.norm() > std::max(options_.min_rotation, options_.rotation_doubt * rotation_sigma());
+    return !clock_is_wrong_ &&
+           phi_.norm() > std::max(options_.min_rotation, options_.rotation_doubt * rotation_sigma());
   }
   /// Whether nothing speaks against the clock so far, or it is known that well.
   bool believes_clock(double sigma_s) const {
@@ -124,7 +126,9 @@ class CameraImuFilter {
     if (!(std::abs(d_) > (clock_is_wrong_ ? options_.trust : options_.doubt) * time_offset_sigma())) return 0;
     clock_is_wrong_ = true;
     forget_mount();  // it was found with the clock wrong
-    const double step = std::clamp(d_, -options_.max_step_s, options_.max_step_s);
+    const double wanted = corrected_s_ + std::clamp(d_, -options_.max_step_s, options_.max_step_s);
+    const double step = std::clamp(wanted, -options_.max_correction_s, options_.max_correction_s) - corrected_s_;
+    corrected_s_ += step;
     d_ -= step;
     P_(clock, clock) += options_.step_error * options_.step_error * step * step;
     return step;
@@ -156,7 +160,7 @@ class CameraImuFilter {
   Mat<double, dim, dim> P_ = Mat<double, dim, dim>::Zero();  ///< of [c b phi d]
   SO3<double> R_g_;
   Vec3 bias_ = Vec3::Zero(), phi_ = Vec3::Zero();
-  double d_ = 0;
+  double d_ = 0, corrected_s_ = 0;
   bool has_world_ = false, clock_is_wrong_ = false;
   int left_out_ = 0;
 };
