@@ -123,6 +123,9 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
   command->add_option("--stop", options.stop_s, "Begin and end of a stop on the way [s]")
       ->check(number_from(0, 3600, "s"))
       ->expected(2);
+  command->add_option("--late", options.late_s, "The stamps of the images come after the images by so much [s]")
+      ->check(number_from(-0.2, 0.2, "s"))
+      ->capture_default_str();
   command->add_option("--size", options.size, "Width and height of the images [px]")
       ->check(whole_number_from(160, 4096))
       ->expected(2);

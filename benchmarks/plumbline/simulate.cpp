@@ -152,9 +152,11 @@ struct Recording {
   int frames;
 
   bool has_imu() const { return options.imu != "none"; }
+  /// Of an image; truth and readings have their own.
+  TimeNs stamp_ns(int frame) const { return frame_time_ns(frame) + std::llround(1e9 * options.late_s); }
   InertialText inertial() const { return simulate_imu(trajectory, imu, options.seed, frames * imu_per_frame + 1); }
 
-  /// Renders every frame and hands it to `write(time, frame)`.
+  /// Renders every frame and hands it to `write(time stamp, frame)`.
   template <class Model, class Write>
   void film(const Imager<Model>& imager, Write&& write) const {
     SimulatedCamera sensor(Renderer(scene, imager.camera, imager.width, imager.height), simulated_T_body_camera(), {},
@@ -163,7 +165,7 @@ struct Recording {
     for (int i = 0; i < frames; ++i) {
       SimulatedCamera::Frame frame =
           sensor.frame(trajectory, i / static_cast<double>(camera_rate_hz), static_cast<std::uint64_t>(i));
-      write(frame_time_ns(i), frame);
+      write(stamp_ns(i), frame);
       progress.show(static_cast<std::size_t>(i + 1));
     }
   }
@@ -175,9 +177,9 @@ void write_tum(const Recording& recording) {
   fs::create_directories(out / "depth");
   const auto imager = rgbd_imager.resized(recording.options.size);
   const auto& camera = imager.camera;
-  recording.film(imager, [&](TimeNs t_ns, SimulatedCamera::Frame& frame) {
-    write_image(out / "rgb" / image_name(t_ns), gray_mat(frame));
-    write_image(out / "depth" / image_name(t_ns), depth_mat(frame));
+  recording.film(imager, [&](TimeNs stamp_ns, SimulatedCamera::Frame& frame) {
+    write_image(out / "rgb" / image_name(stamp_ns), gray_mat(frame));
+    write_image(out / "depth" / image_name(stamp_ns), depth_mat(frame));
   });
 
   const InertialText inertial = recording.inertial();
@@ -199,14 +201,14 @@ void write_tum(const Recording& recording) {
   std::string truth = "# true poses of the camera\n# timestamp tx ty tz qx qy qz qw\n", gray = "# timestamp filename\n";
   std::string depth = gray;
   for (int i = 0; i < recording.frames; ++i) {
-    const TimeNs t_ns = frame_time_ns(i);
+    const TimeNs stamp_ns = recording.stamp_ns(i);
     const SE3<double> T =
         recording.trajectory.at(i / static_cast<double>(camera_rate_hz)).T_world_body * simulated_T_body_camera();
     const Eigen::Quaternion<double>& q = T.rotation().quaternion();
-    truth += seconds(t_ns) + format(" %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n", T.p().x(), T.p().y(), T.p().z(), q.x(),
-                                    q.y(), q.z(), q.w());
-    gray += seconds(t_ns) + " rgb/" + image_name(t_ns) + "\n";
-    depth += seconds(t_ns) + " depth/" + image_name(t_ns) + "\n";
+    truth += seconds(frame_time_ns(i)) + format(" %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n", T.p().x(), T.p().y(),
+                                                T.p().z(), q.x(), q.y(), q.z(), q.w());
+    gray += seconds(stamp_ns) + " rgb/" + image_name(stamp_ns) + "\n";
+    depth += seconds(stamp_ns) + " depth/" + image_name(stamp_ns) + "\n";
   }
   write_text(out / "groundtruth.txt", truth);
   write_text(out / "depth.txt", depth);
@@ -218,8 +220,8 @@ void write_euroc(const Recording& recording) {
   fs::create_directories(images);
   const auto imager = mono_imager.resized(recording.options.size);
   const auto& camera = imager.camera;
-  recording.film(imager, [&](TimeNs t_ns, SimulatedCamera::Frame& frame) {
-    write_image(images / image_name(t_ns), gray_mat(frame));
+  recording.film(imager, [&](TimeNs stamp_ns, SimulatedCamera::Frame& frame) {
+    write_image(images / image_name(stamp_ns), gray_mat(frame));
   });
 
   const InertialText inertial = recording.inertial();
@@ -246,7 +248,7 @@ void write_euroc(const Recording& recording) {
                         lens.k1(), lens.k2(), lens.p1(), lens.p2()));
   std::string index = "#timestamp [ns],filename\n";
   for (int i = 0; i < recording.frames; ++i) {
-    index += std::to_string(frame_time_ns(i)) + "," + image_name(frame_time_ns(i)) + "\n";
+    index += std::to_string(recording.stamp_ns(i)) + "," + image_name(recording.stamp_ns(i)) + "\n";
   }
   write_text(mav / "cam0" / "data.csv", index);  // last: what makes the folder a recording
 }

@@ -12,6 +12,7 @@ struct SimulateOptions {
   std::uint64_t seed = 1;       ///< of the surfaces, the motion and the noise
   double duration_s = 20;       ///< [s]; 20 frames each second
   std::vector<double> stop_s;   ///< begin and end of a stop on the way [s]; empty: none
+  double late_s = 0;            ///< stamps of the images come after the images [s]
   std::vector<int> size;        ///< width and height of the images [px]; empty: those of the layout
   std::string imu = "default";  ///< one of imu_names(): the quality of the sensor
   std::string layout = "tum";   ///< one of layout_names(): tum (RGB-D) or euroc (one distorted gray camera)

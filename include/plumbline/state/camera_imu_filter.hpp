@@ -22,6 +22,7 @@ struct CameraImuOptions {
   double time_offset_sigma_s = 0.04;  ///< of the calibration; 0: it is known
   double rotation_sigma = 0.03;       ///< the same of the mount [rad]
   double doubt = 3;                   ///< the clock is wrong beyond so many sigma
+  double max_doubt_s = 0.01;          ///< and if that sigma is less
   double trust = 1;                   ///< one that was found to be wrong is corrected beyond so many
   double rotation_doubt = 4;          ///< the mount is wrong beyond so many sigma
   double min_rotation = 0.01;         ///< and if it is by more [rad]
@@ -36,6 +37,7 @@ struct CameraImuOptions {
   double time_offset_walk = 5e-5;     ///< [s/sqrt(s)]
   double rotation_walk = 5e-5;        ///< [rad/sqrt(s)]
   double max_innovation = 5;          ///< of an orientation [sigma]; others are left out
+  int min_in_a_row = 10;              ///< that fit, before the clock is corrected: axes might be swapped
   int max_left_out = 10;              ///< in a row, then worlds and bias are looked for anew
 };
 
@@ -111,6 +113,7 @@ class CameraImuFilter {
     const Mat3 V_inverse = V.inverse();
     if (!(e.dot(V_inverse * e) <= options_.max_innovation * options_.max_innovation)) return leave_out();
     left_out_ = 0;
+    ++in_a_row_;
     const Mat<double, dim, 3> K = product(PHt, V_inverse);
     const Vec<double, dim> x = product(K, e);
     const Mat<double, dim, dim> P = P_ - product_transposed(K, PHt);
@@ -123,7 +126,9 @@ class CameraImuFilter {
 
   /// The correction of the clock that is beyond doubt [s]; from now on it is in force.
   double take_time_offset() {
-    if (!(std::abs(d_) > (clock_is_wrong_ ? options_.trust : options_.doubt) * time_offset_sigma())) return 0;
+    const double sigma = time_offset_sigma();
+    if (in_a_row_ < options_.min_in_a_row || !(sigma < options_.max_doubt_s)) return 0;
+    if (!(std::abs(d_) > (clock_is_wrong_ ? options_.trust : options_.doubt) * sigma)) return 0;
     clock_is_wrong_ = true;
     forget_mount();  // it was found with the clock wrong
     const double wanted = corrected_s_ + std::clamp(d_, -options_.max_step_s, options_.max_step_s);
@@ -151,6 +156,7 @@ class CameraImuFilter {
     left_out_ = 0;
   }
   void leave_out() {
+    in_a_row_ = 0;
     if (++left_out_ <= options_.max_left_out) return;
     forget(bias, options_.bias_sigma);
     forget_world();
@@ -162,7 +168,7 @@ class CameraImuFilter {
   Vec3 bias_ = Vec3::Zero(), phi_ = Vec3::Zero();
   double d_ = 0, corrected_s_ = 0;
   bool has_world_ = false, clock_is_wrong_ = false;
-  int left_out_ = 0;
+  int left_out_ = 0, in_a_row_ = 0;  ///< orientations, since the last one that was not
 };
 
 }  // namespace plumbline
