@@ -6,8 +6,8 @@
 /// its own. With a time offset wrong by d, a mount by phi, a gyroscope bias by b, and the body turning at w:
 ///   R_v = Exp(c) R_g Exp(phi + w d),   c+ = c + R_g J_R_g b                                                      (1)
 ///   e = Log(R_g^T R_v) = R_g^T c + phi + w d + noise,   its variance with (|w'| d^2/2)^2: w changes meanwhile    (2)
-/// A Kalman filter over [c b phi d]. c and b are taken over at every step; d waits until it is beyond doubt, so that a clock
-/// that is right stays as it is; phi is only told: to act on it, it would have to be known better.
+/// A Kalman filter over [c b phi d]. c and b are taken over at every step; d waits until it is beyond doubt, so that a
+/// clock that is right stays as it is; phi is only told: to act on it, it would have to be known better.
 
 #include <algorithm>
 #include <cmath>

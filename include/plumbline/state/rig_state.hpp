@@ -2,8 +2,8 @@
 /// What is believed of the rig: where the camera sits, how its clock stands to the IMU's, how fast its rows are read.
 /// Everybody asks here, nobody the calibration, so that what is found out while running is in force everywhere.
 ///
-/// Of the blocks of the rig (state/block.hpp) the readout time is estimated here, the time offset by the motion model that
-/// knows the IMU; extrinsics are those of the calibration.
+/// Of the blocks of the rig (state/block.hpp) the readout time is estimated here, the time offset by the motion model
+/// that knows the IMU; extrinsics are those of the calibration.
 
 #include "plumbline/core/present.hpp"
 #include "plumbline/lie/se3.hpp"
