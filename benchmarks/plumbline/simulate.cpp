@@ -266,6 +266,7 @@ std::vector<std::string> scene_names() { return {testing::scene_names.begin(), t
 
 std::vector<std::string> imu_names() {
   std::vector<std::string> names;
+  names.reserve(imu_sets.size());
   for (const ImuSet& set : imu_sets) names.emplace_back(set.name);
   return names;
 }

@@ -104,7 +104,8 @@ inline Scene make_boards(std::uint32_t seed) {
     const int columns = static_cast<int>(2 * w / pitch);
     for (int k = 0; k < 3 * columns; ++k) {
       const auto draw = [&](int j) { return static_cast<double>(hash01(100 * i + k, j, seed)); };
-      const double x = (k / 3 + 0.5) * pitch - 0.5 * columns * pitch, z = 0.5 + 0.85 * (k % 3);
+      const int column = k / 3;
+      const double x = (column + 0.5) * pitch - 0.5 * columns * pitch, z = 0.5 + 0.85 * (k % 3);
       const SE3<double> at =
           walls[std::size_t(i)] * SE3<double>(SO3<double>::exp({0, 0.52 * (draw(0) - 0.5), 0}), {x, 0, z});
       const double a = 0.18 + 0.12 * draw(1), b = 0.22 + 0.13 * draw(2), thick = 0.02 + 0.13 * draw(3);
