@@ -78,7 +78,8 @@ void DebugReport::add(std::size_t number, pl::TimeNs t_ns, const cv::Mat& gray, 
   marks.resize(inspection.features.size());
 
   add_row(number, t_ns, output, inspection, marks);
-  if (output.has_sound_pose()) poses_.push_back({t_ns, output.estimate.T_world_body, output.estimate.covariance});
+  if (output.has_sound_pose())
+    poses_.push_back({output.pose_ns(), output.estimate.T_world_body, output.estimate.covariance});
   if (!output.refused) before_ = inspection;
   if (number % options_.every != 0) return;
   std::vector<Mark> all;

@@ -21,8 +21,9 @@ namespace plumbline {
 struct CameraImuOptions {
   double time_offset_sigma_s = 0.04;  ///< of the calibration; 0: it is known
   double rotation_sigma = 0.03;       ///< the same of the mount [rad]
-  double doubt = 3;                   ///< the clock is wrong beyond so many sigma
-  double max_doubt_s = 0.01;          ///< and if that sigma is less
+  double doubt = 4;                   ///< the clock is wrong beyond so many sigma
+  double max_doubt_s = 0.01;          ///< if that sigma is less,
+  double min_error_s = 1e-3;          ///< and if it is by more
   double trust = 1;                   ///< one that was found to be wrong is corrected beyond so many
   double rotation_doubt = 4;          ///< the mount is wrong beyond so many sigma
   double min_rotation = 0.01;         ///< and if it is by more [rad]
@@ -128,7 +129,9 @@ class CameraImuFilter {
   double take_time_offset() {
     const double sigma = time_offset_sigma();
     if (in_a_row_ < options_.min_in_a_row || !(sigma < options_.max_doubt_s)) return 0;
-    if (!(std::abs(d_) > (clock_is_wrong_ ? options_.trust : options_.doubt) * sigma)) return 0;
+    const double least =
+        clock_is_wrong_ ? options_.trust * sigma : std::max(options_.min_error_s, options_.doubt * sigma);
+    if (!(std::abs(d_) > least)) return 0;
     clock_is_wrong_ = true;
     forget_mount();  // it was found with the clock wrong
     const double wanted = corrected_s_ + std::clamp(d_, -options_.max_step_s, options_.max_step_s);
@@ -168,7 +171,7 @@ class CameraImuFilter {
   Vec3 bias_ = Vec3::Zero(), phi_ = Vec3::Zero();
   double d_ = 0, corrected_s_ = 0;
   bool has_world_ = false, clock_is_wrong_ = false;
-  int left_out_ = 0, in_a_row_ = 0;  ///< orientations, since the last one that was not
+  int left_out_ = 0, in_a_row_ = 0;  ///< orientations that did not fit, and that did, in a row
 };
 
 }  // namespace plumbline
