@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <ctime>
+#include <functional>
 #include <map>
 #include <memory>
 #include <stdexcept>
@@ -78,9 +79,7 @@ void add(Observed& observed, double t_s, const std::optional<FrameOutput>& outpu
                      : observed.frames.health.empty() ? 0
                                                       : static_cast<std::size_t>(observed.frames.health.back());
   ++observed.health.at(state);
-  const auto ms = [&](double pl::FrameTiming::*stage) {
-    return is_used ? 1e3 * (output->timing.*stage) : std::nan("");
-  };
+  const auto ms = [&](auto stage) { return is_used ? 1e3 * std::invoke(stage, output->timing) : std::nan(""); };
   if (is_used) observed.times_ms.push_back(ms(&pl::FrameTiming::total));
   const FeatureCounts seen = runner.seen();
   FrameSeries& frames = observed.frames;

@@ -146,7 +146,7 @@ void DebugReport::add_row(std::size_t number, pl::TimeNs t_ns, const FrameOutput
     }
     add_inertial(*now.inertial);
   }
-  frames_.set("track_ms", 1e3 * output.timing.track);
+  frames_.set("track_ms", 1e3 * output.timing.track());
   frames_.set("estimate_ms", 1e3 * output.timing.estimate);
   frames_.set("map_ms", 1e3 * output.timing.map);
   frames_.set("total_ms", 1e3 * output.timing.total);

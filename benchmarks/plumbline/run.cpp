@@ -140,6 +140,7 @@ int run_configuration(const RunOptions& options) {
   files.commit_all();
   if (tally.is_mostly_without()) progress.note("plumbline: warning: " + why);
   std::puts(tally.summary().c_str());
+  if (options.files.timing) std::fputs(tally.times().c_str(), stdout);
   std::fputs(found_wrong(recording.calibration(), runner->inspect()).c_str(), stdout);
   return 0;
 }

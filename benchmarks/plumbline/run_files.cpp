@@ -53,24 +53,26 @@ RunFiles::RunFiles(const RunPaths& paths, const std::vector<fs::path>& inputs) :
   if (paths.landmarks) landmarks_.emplace(*paths.landmarks);
   if (timing_) {
     timing_->stream() << "timestamp_ns,track_ms,estimate_ms,map_ms,total_ms,health,reason,sigma_position_m,"
-                         "sigma_rotation_deg\n";
+                         "sigma_rotation_deg,pyramid_ms,align_ms,follow_ms\n";
   }
   if (states_) states_->stream() << state_header();
 }
 
 void RunFiles::add_timing(pl::TimeNs t_ns, const FrameOutput& output) {
   if (!timing_) return;
-  timing_->stream() << format("%lld,%.4f,%.4f,%.4f,%.4f,", static_cast<long long>(t_ns), 1e3 * output.timing.track,
-                              1e3 * output.timing.estimate, 1e3 * output.timing.map, 1e3 * output.timing.total)
-                    << name_of(output.health()) << ',' << reason_of(output);
+  const pl::FrameTiming& timing = output.timing;
+  std::string row = format("%lld,%.4f,%.4f,%.4f,%.4f,", static_cast<long long>(t_ns), 1e3 * timing.track(),
+                           1e3 * timing.estimate, 1e3 * timing.map, 1e3 * timing.total);
+  row += std::string(name_of(output.health())) + ',' + reason_of(output);
   if (output.has_pose()) {
     constexpr double degrees = 57.29577951308232;
     const pl::Vec<double, 6> variance = output.estimate.covariance.diagonal();
-    timing_->stream() << format(",%.6g,%.6g\n", std::sqrt(variance.tail<3>().sum()),
-                                degrees * std::sqrt(variance.head<3>().sum()));
+    row += format(",%.6g,%.6g", std::sqrt(variance.tail<3>().sum()), degrees * std::sqrt(variance.head<3>().sum()));
   } else {
-    timing_->stream() << ",,\n";
+    row += ",,";
   }
+  row += format(",%.4f,%.4f,%.4f", 1e3 * timing.pyramid, 1e3 * timing.align, 1e3 * timing.follow);
+  timing_->stream() << row << '\n';
 }
 
 void RunFiles::add_state(pl::TimeNs t_ns, const FrameOutput& output, const Inspection& inspection) {

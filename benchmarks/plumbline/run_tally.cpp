@@ -1,10 +1,13 @@
 #include "run_tally.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <numbers>
+#include <numeric>
 
 #include "format.hpp"
 #include "plumbline/start/two_view.hpp"
+#include "statistics.hpp"
 
 namespace pl = plumbline;
 
@@ -69,7 +72,7 @@ void RunTally::add(const FrameOutput& output, bool is_in_trajectory) {
     ++by_health_[static_cast<std::size_t>(output.health())];
     resets_ = std::max(resets_, output.estimate.resets);
   }
-  if (output.has_sound_pose()) return;
+  if (output.has_sound_pose()) return sound_.push_back(output.timing);
   ++without_;
   Reason& reason = reasons_[reason_of(output)];
   ++reason.frames;
@@ -86,6 +89,25 @@ std::string RunTally::summary() const {
       read_, poses_, count(pl::HealthState::tracking), count(pl::HealthState::degraded), count(pl::HealthState::lost),
       count(pl::HealthState::initializing), skipped_, refused_, resets_, ms.empty() ? 0 : ms[ms.size() / 2],
       ms.empty() ? 0 : ms.back());
+}
+
+std::string RunTally::times() const {
+  std::string out = format("%-32s%8s%8s%8s%8s\n", format("%zu frames with a pose [ms]", sound_.size()).c_str(), "mean",
+                           "median", "99 %", "longest");
+  const auto add = [&](const char* name, auto stage) {
+    std::vector<double> ms;
+    for (const pl::FrameTiming& timing : sound_) ms.push_back(1e3 * std::invoke(stage, timing));
+    const double mean = std::reduce(ms.begin(), ms.end()) / static_cast<double>(ms.size());
+    out += format("  %-30s%8.2f%8.2f%8.2f%8.2f\n", name, mean, median(ms), percentile(ms, 0.99), percentile(ms, 1));
+  };
+  using pl::FrameTiming;
+  add("pyramid", &FrameTiming::pyramid);
+  add("alignment of the image", &FrameTiming::align);
+  add("alignment of features", &FrameTiming::follow);
+  add("pose", &FrameTiming::estimate);
+  add("map, keyframes", &FrameTiming::map);
+  add("whole frame", &FrameTiming::total);
+  return out;
 }
 
 std::string RunTally::why_no_pose() const {

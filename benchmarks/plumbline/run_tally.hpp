@@ -22,6 +22,8 @@ class RunTally {
 
   /// Frames by health, resets, times: one line.
   std::string summary() const;
+  /// Where the time of the frames with a sound pose went, stage by stage: a table.
+  std::string times() const;
   /// Whether more than half of the frames gave no sound pose.
   bool is_mostly_without() const { return 2 * (without_ + skipped_) > read_; }
   /// How many frames gave no sound pose, and the reason that stood longest, with its figures.
@@ -37,7 +39,8 @@ class RunTally {
   std::array<std::size_t, 4> by_health_{};  // in the order of HealthState
   std::uint32_t resets_ = 0;
   std::vector<double> total_ms_;
-  std::map<std::string, Reason> reasons_;  // of frames without a sound pose
+  std::vector<plumbline::FrameTiming> sound_;  // of the frames with a sound pose
+  std::map<std::string, Reason> reasons_;      // of frames without a sound pose
 };
 
 /// What the estimator found to be wrong with the calibration of a rig with an IMU, line by line.

@@ -16,10 +16,15 @@ expect_failure 'no pose in 20 frames: little parallax in 20 of them \(.* degrees
   > out.txt 2> err.txt || fail "run: $(cat err.txt)"
 grep -q '^20 frames: 20 poses, 20 tracking, 0 degraded, 0 lost, 0 initializing, 0 skipped, 0 refused; 0 resets; ' out.txt ||
   fail "summary: $(cat out.txt)"
-[[ $(head -n 1 out.csv) == timestamp_ns,track_ms,estimate_ms,map_ms,total_ms,health,reason,sigma_position_m,sigma_rotation_deg ]] ||
+[[ $(head -n 1 out.csv) == timestamp_ns,track_ms,estimate_ms,map_ms,total_ms,health,reason,sigma_position_m,sigma_rotation_deg,pyramid_ms,align_ms,follow_ms ]] ||
   fail "header of the timing"
 awk -F, 'NR > 1 && !($6 == "tracking" && $7 == "none" && $8 > 0 && $8 < 0.1 && $9 > 0 && $9 < 5) { exit 1 }' out.csv ||
   fail "times: $(head -n 3 out.csv)"
+awk -F, 'NR > 1 { d = $10 + $11 + $12 - $2 } d > 1e-3 || d < -1e-3 { exit 1 }' out.csv || fail "the parts of track_ms"
+grep -Eq '^20 frames with a pose \[ms\] +mean +median +99 % +longest$' out.txt || fail "times: $(cat out.txt)"
+for stage in pyramid 'alignment of the image' 'alignment of features' pose 'map, keyframes' 'whole frame'; do
+  grep -Eq "^  $stage +[0-9.]+ +[0-9.]+ +[0-9.]+ +[0-9.]+$" out.txt || fail "no time of $stage: $(cat out.txt)"
+done
 
 # column NAME: its values, one a line.
 column() {

@@ -51,9 +51,9 @@ class Estimator {
   Result<Estimate<S>> add_frame(const Frame& frame) {
     if (!ImagePair<Sensors>::has_right_size(core_.rig, frame)) return Error::wrong_image_size;
     if (beginning_.has_first_view() && frame.t_ns <= latest().t_ns) return Error::late_sample;
-    const double begin = TimeSource::now();
+    Stopwatch<TimeSource> whole, stage;
     if (!core_.images.see(frame)) return Error::wrong_image_size;
-    timing_ = {};
+    timing_ = {.pyramid = stage.lap()};
     View<Sensors> view = core_.view_of(frame, !beginning_.has_first_view());
     if (!beginning_.has_first_view()) {
       beginning_.take_first_view(core_, view);
@@ -62,12 +62,12 @@ class Estimator {
       if (!beginning_.has_map()) {
         beginning_.look_for_second_view(core_, view, predicted.state);
       } else {
-        go_on(view, predicted, begin);
+        go_on(view, predicted, stage);
         if (beginning_.is_settling(view.t_ns) && latest().health.state == HealthState::tracking)
           core_.set_health(HealthState::degraded, HealthReason::scale_uncertain);
       }
     }
-    timing_.total = TimeSource::now() - begin;
+    timing_.total = whole.lap();
     return latest();
   }
 
@@ -88,15 +88,17 @@ class Estimator {
   bool at_rest() const requires Sensors::has_imu { return core_.motion.at_rest(); }
 
  private:
-  void go_on(const View<Sensors>& view, const Predicted& predicted, double begin) {
+  void go_on(const View<Sensors>& view, const Predicted& predicted, Stopwatch<TimeSource>& stage) {
     if (core_.motion.carries_on() && core_.images.repeats() && !core_.motion.may_rest(view.t_ns))
       return recover(view, predicted.state, HealthReason::images_repeat);
     SE3<S> T = predicted.state.T_world_body;
-    core_.track(view, predicted, T);
-    timing_.track = TimeSource::now() - begin;
+    core_.front_ends.align(view, core_.window(), core_.landmarks, predicted.prior, T);
+    timing_.align = stage.lap();
+    core_.follow(view, T);
+    timing_.follow = stage.lap();
     Covariance covariance;
     const HealthReason lacks = core_.find_pose(view, predicted, T, covariance);
-    timing_.estimate = TimeSource::now() - begin - timing_.track;
+    timing_.estimate = stage.lap();
     if (lacks != HealthReason::none) {
       recover(view, predicted.state,
               core_.landmarks.seen_count() < core_.options.pose.min_inliers ? HealthReason::few_features : lacks);
@@ -113,7 +115,7 @@ class Estimator {
       if (lost_frames_ > 0) core_.motion.lose();
       lost_frames_ = 0;
     }
-    timing_.map = TimeSource::now() - begin - timing_.track - timing_.estimate;
+    timing_.map = stage.lap();
   }
 
   /// The images do not say where the frame is: the IMU bridges them, or the next ones are tried against the last good

@@ -90,8 +90,7 @@ class Odometry {
   }
 
   /// Follows all features from the last image and moves T to the pose that most of them agree on.
-  void track(const View<Sensors>& view, const Predicted& predicted, SE3<S>& T) {
-    front_ends.align(view, window(), landmarks, predicted.prior, T);
+  void follow(const View<Sensors>& view, SE3<S>& T) {
     front_ends.follow(view, window(), landmarks, T);
     front_ends.agree(view, window(), landmarks, options.ransac, T);
   }
