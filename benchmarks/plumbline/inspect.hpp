@@ -72,6 +72,8 @@ Inspection inspect(const Estimator& estimator, plumbline::TimeNs previous_ns) {
         estimator.init_report(),
         estimator.at_rest(),
         estimator.imu().for_each_interval(previous_ns + offset_ns, out.estimate.t_ns + offset_ns, [](const auto&) {}),
+        estimator.imu().gyro_full_scale(),
+        estimator.imu().accel_full_scale(),
         std::nullopt,
         estimator.rig_state().time_offset_s() - rig.imu.camera_time_offset_s,
         estimator.camera_imu().rotation_error(),

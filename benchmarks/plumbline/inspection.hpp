@@ -38,6 +38,7 @@ struct InertialInspection {
   plumbline::InitReport start;
   bool at_rest;
   plumbline::ImuCoverage coverage;                 ///< of the time since the last frame
+  double gyro_full_scale, accel_full_scale;        ///< of the calibration, or as the readings show [rad/s], [m/s^2]
   std::optional<plumbline::Vec<double, 9>> sigma;  ///< of velocity, gyroscope bias, accelerometer bias
   double time_offset_s;                            ///< of the camera's clock, beyond the calibration's
   plumbline::Vec<double, 3> turned;                ///< the camera seems so, against T_body_camera [rad]

@@ -132,7 +132,9 @@ int run_configuration(const RunOptions& options) {
   const std::string why =
       options.dataset.string() + ": " + tally.why_no_pose() +
       (debug ? "; see " + (options.debug.directory / "report.html").string() : "; --debug DIR shows each of them");
+  const std::string wrong = found_wrong(recording.calibration(), runner->inspect());
   if (tally.poses() == 0) {
+    std::fputs(wrong.c_str(), stdout);
     files.commit_tables();
     throw std::runtime_error(why);
   }
@@ -141,6 +143,6 @@ int run_configuration(const RunOptions& options) {
   if (tally.is_mostly_without()) progress.note("plumbline: warning: " + why);
   std::puts(tally.summary().c_str());
   if (options.files.timing) std::fputs(tally.times().c_str(), stdout);
-  std::fputs(found_wrong(recording.calibration(), runner->inspect()).c_str(), stdout);
+  std::fputs(wrong.c_str(), stdout);
   return 0;
 }

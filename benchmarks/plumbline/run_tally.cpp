@@ -125,6 +125,14 @@ std::string RunTally::why_no_pose() const {
 std::string found_wrong(const pl::io::Calibration& calibration, const Inspection& last) {
   if (!last.inertial) return {};
   std::string out;
+  const auto stops = [&](const char* sensor, double found, double declared, const char* unit) {
+    if (!(found < declared)) return;
+    out += format("calibration: %s_full_scale is %.4g %s, not %.4g; the run did not believe readings there\n", sensor,
+                  found, unit, declared);
+  };
+  const pl::ImuBufferOptions& limits = calibration.imu_limits;
+  stops("gyroscope", last.inertial->gyro_full_scale, limits.gyro_full_scale, "rad/s");
+  stops("accelerometer", last.inertial->accel_full_scale, limits.accel_full_scale, "m/s^2");
   if (last.inertial->time_offset_s != 0)
     out += format("calibration: time_offset_s is %.4f, not %.4f; the run corrected it\n",
                   calibration.camera_time_offset_s + last.inertial->time_offset_s, calibration.camera_time_offset_s);

@@ -215,6 +215,19 @@ TEST_CASE("imu_buffer: saturated readings are clipped and doubted, each sensor b
   REQUIRE(buffer.counts().saturated == 4);
 }
 
+TEST_CASE("imu_buffer: a full scale that nobody stated is found out, and doubted from then on") {
+  ImuBuffer<64> buffer;
+  TimeNs t = t0;
+  for (int k = 0; k < 30; ++k, t += 5 * ms) {
+    ImuSample s = linear(t);
+    s.accel = {0, k % 2 == 0 ? 9.5 : 0.1 * k, 0};
+    REQUIRE(buffer.add(s)->saturated == (k >= 18 && k % 2 == 0));  // it has been there ten times
+  }
+  REQUIRE((buffer.accel_full_scale() == 9.5 && buffer.gyro_full_scale() == buffer.options().gyro_full_scale));
+  const Extracted e = extract(buffer, t0, t0 + 20 * ms);
+  for (const ImuInterval<double>& i : e.intervals) REQUIRE((i.accel_sigma == Approx(9.5) && i.gyro_sigma == 0));
+}
+
 TEST_CASE("imu_buffer: one error for all of a gap, wherever it is cut") {
   const ImuBuffer<64> buffer = filled(200 * ms, 50 * ms, 150 * ms);
   double variance = 0;  // of the integrated reading

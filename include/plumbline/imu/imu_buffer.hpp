@@ -7,7 +7,8 @@
 ///                                       (Error::late_sample)
 ///   repeated time stamp                 refused (Error::late_sample)
 ///   a jump of more than `max_jump_s`    the clock was set, forward or back: the buffer starts anew with this sample
-///   at full scale or beyond             clipped to it, marked saturated
+///   at full scale or beyond             clipped to it, marked saturated; full scale is the least of what the options
+///                                       say and what the readings show (imu/full_scale.hpp)
 ///   the same six numbers over and over  marked frozen from `frozen_samples` repetitions on
 ///   buffer full                         the oldest sample is forgotten
 /// What is given out covers the time asked for without a hole: linear between samples, the nearest sample held before
@@ -27,6 +28,7 @@
 #include "plumbline/core/result.hpp"
 #include "plumbline/core/ring_buffer.hpp"
 #include "plumbline/core/time.hpp"
+#include "plumbline/imu/full_scale.hpp"
 #include "plumbline/imu/interval.hpp"
 #include "plumbline/imu/sample.hpp"
 
@@ -106,6 +108,8 @@ class ImuBuffer {
   bool reaches(TimeNs t_ns) const { return !empty() && items_.back().sample.t_ns >= t_ns; }
   const ImuCounts& counts() const { return counts_; }
   const ImuBufferOptions& options() const { return options_; }
+  double gyro_full_scale() const { return std::min(options_.gyro_full_scale, gyro_rail_.found()); }     ///< [rad/s]
+  double accel_full_scale() const { return std::min(options_.accel_full_scale, accel_rail_.found()); }  ///< [m/s^2]
 
   /// The index of the first sample after t, size() if there is none.
   std::size_t first_after(TimeNs t_ns) const {
@@ -139,10 +143,10 @@ class ImuBuffer {
   bool frozen(const Item& item) const { return item.repeated >= options_.frozen_samples; }
 
   bool gyro_saturated(const Item& item) const {
-    return item.sample.gyro.cwiseAbs().maxCoeff() >= at_rail * options_.gyro_full_scale;
+    return item.sample.gyro.cwiseAbs().maxCoeff() >= at_rail * gyro_full_scale();
   }
   bool accel_saturated(const Item& item) const {
-    return item.sample.accel.cwiseAbs().maxCoeff() >= at_rail * options_.accel_full_scale;
+    return item.sample.accel.cwiseAbs().maxCoeff() >= at_rail * accel_full_scale();
   }
 
   /// Since when item i repeats its numbers, since when its sensors are at their rails.
@@ -161,6 +165,7 @@ class ImuBuffer {
 
   ImuBufferOptions options_;
   RingBuffer<Item, Capacity> items_;
+  FullScaleFinder gyro_rail_{{.least = 1}}, accel_rail_{{.least = 5}};
   TimeNs used_ns_ = never_used;
   ImuCounts counts_;
 };
@@ -187,7 +192,9 @@ Result<typename ImuBuffer<Capacity>::Accepted> ImuBuffer<Capacity>::add(const Im
   const bool newest = place == size(), late = sample.t_ns <= used_ns_ || (place == 0 && items_.full());
   counts_.late += late;
   if (late && !newest) return Error::late_sample;
-  const double w = options_.gyro_full_scale, a = options_.accel_full_scale;
+  gyro_rail_.add(sample.gyro);
+  accel_rail_.add(sample.accel);
+  const double w = gyro_full_scale(), a = accel_full_scale();
   Item item{};
   item.sample.t_ns = sample.t_ns;
   item.sample.gyro = sample.gyro.cwiseMax(-w).cwiseMin(w);
@@ -247,8 +254,8 @@ ImuCoverage ImuBuffer<Capacity>::for_each_interval(TimeNs t_begin_ns, TimeNs t_e
     };
     const bool gyro_railed = gyro_saturated(a) || gyro_saturated(b);
     const bool accel_railed = accel_saturated(a) || accel_saturated(b);
-    interval.gyro_sigma = doubt(options_.gyro_rate, gyro_railed, options_.gyro_full_scale, a.gyro_in_range_ns);
-    interval.accel_sigma = doubt(options_.accel_rate, accel_railed, options_.accel_full_scale, a.accel_in_range_ns);
+    interval.gyro_sigma = doubt(options_.gyro_rate, gyro_railed, gyro_full_scale(), a.gyro_in_range_ns);
+    interval.accel_sigma = doubt(options_.accel_rate, accel_railed, accel_full_scale(), a.accel_in_range_ns);
     if (gyro_railed) out.gyro_saturated_s += interval.dt;
     if (gyro_railed || accel_railed) out.saturated_s += interval.dt;
     visit(interval);
