@@ -147,26 +147,27 @@ class Odometry {
     make_room(view);
   }
 
-  /// A frame that is tied to the last keyframe is solved for with the window, and taken out again, without a trace,
-  /// when the next one comes, unless it is a keyframe.
-  void solve_with_window(const View<Sensors>& view, const State& x) {
-    const State before = window().latest();
+  /// A frame that is tied to the last keyframe has a place in the window, and is taken out again, without a trace, when
+  /// the next one comes, unless it is a keyframe. True when it is to be one.
+  bool enter_window(const View<Sensors>& view, const State& x) {
     const bool rested = motion.at_rest();
     const bool keyframe = needs_keyframe(view.t_ns);
-    if (rested && !motion.at_rest()) {
-      keep_temporary(view);
-    } else {
-      drop_temporary();
-    }
-    const int slot = backend.insert(view.t_ns, x, motion.link(keyframe_));
+    rested && !motion.at_rest() ? keep_temporary(view) : drop_temporary();
+    temporary_ = backend.insert(view.t_ns, x, motion.link(keyframe_));
+    return keyframe;
+  }
+  /// It is solved for as a keyframe, or as one that is none; `before` is the state of the frame before it.
+  void solve_in_window(const View<Sensors>& view, const State& before, bool keyframe) {
     if (keyframe) {
-      front_ends.detect(view, window(), landmarks, slot);
+      front_ends.detect(view, window(), landmarks, temporary_);
     } else {
-      landmarks.for_each([&](auto& store) { store.record(slot); });
+      landmarks.for_each([&](auto& store) { store.record(temporary_); });
     }
     backend.optimize(rig, view.T_body_cam, landmarks, keyframe);
-    window().set_latest(slot);
+    window().set_latest(temporary_);
     if (State solved = window().latest(); motion.revise(before, solved, view.dt)) window().set_latest(solved);
+  }
+  void publish_in_window(const View<Sensors>& view) {
     const SE3<S> T = window().latest().T_world_body;
     images.keep(view, T);
     front_ends.locate(view, window(), landmarks, T);
@@ -175,12 +176,11 @@ class Odometry {
     Covariance covariance;
     if (!backend.covariance_of_newest(covariance)) covariance.setIdentity();
     publish(covariance);
-    if (keyframe) {
-      adopt_keyframe(view, slot);
-      make_room(view);
-    } else {
-      temporary_ = slot;
-    }
+  }
+  void stay_in_window(const View<Sensors>& view) {
+    adopt_keyframe(view, temporary_);
+    temporary_ = none;
+    make_room(view);
   }
 
   /// The frame in `slot` is the last keyframe now.
