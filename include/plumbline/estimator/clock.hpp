@@ -15,7 +15,7 @@ struct NoClock {
   static constexpr double now() { return 0; }
 };
 
-/// Of the last frame [s]; zero with NoClock.
+/// Of the last frame [s], but for work beside the caller; zero with NoClock.
 struct FrameTiming {
   double track = 0;     ///< pyramid, tracking, outlier rejection, alignment
   double estimate = 0;  ///< motion-only estimate
