@@ -156,7 +156,12 @@ void require_same_whenever() {
     Whenever::when = when;
     Whenever::started = 0;
     const auto vio = make<Vio>();
-    return run(*vio);
+    const std::vector<Estimate<double>> estimates = run(*vio);
+    if constexpr (Sensors<Inertial>::has_imu) {
+      const typename Vio::Backend& backend = vio->backend();
+      REQUIRE(backend.links().disagreement(backend.window()) > 0);  // that of keyframes is watched
+    }
+    return estimates;
   };
   const std::vector<Estimate<double>> at_once = run_at(When::at_once);
   REQUIRE(Whenever::started > 4);

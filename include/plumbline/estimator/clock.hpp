@@ -17,7 +17,7 @@ struct NoClock {
 
 /// Of the last frame [s], but for work beside the caller; zero with NoClock.
 struct FrameTiming {
-  double track = 0;     ///< pyramid, tracking, outlier rejection, alignment
+  double track = 0;     ///< wait for work beside the caller, pyramid, tracking, outlier rejection, alignment
   double estimate = 0;  ///< motion-only estimate
   double map = 0;       ///< keyframe: detection, window, marginalization
   double total = 0;
