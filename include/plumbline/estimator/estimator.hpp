@@ -173,7 +173,7 @@ class Estimator {
     bool shows_enough = !is_old && core_.landmarks.seen_count() >= options.min_landmarks;
     if (shows_enough && !is_wrong) {
       core_.images.keep(view, x.T_world_body);
-      core_.front_ends.locate(view, core_.window(), core_.landmarks, x.T_world_body);
+      core_.locate(view);
     } else if (!is_old && !shows_enough && ++lost_frames_ > options.max_blind_frames && core_.look_anew(view)) {
       shows_enough = true;
       lost_frames_ = 0;

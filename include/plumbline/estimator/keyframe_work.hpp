@@ -34,8 +34,9 @@ class KeyframeWork {
 
   void solve_in_window(Core& core, const View<Sensors>& view, const State& x) {
     before_ = core.window().latest();
-    planned_ = core.enter_window(view, x) ? Planned::stay_in_window : Planned::nothing;
+    if (core.enter_window(view, x)) planned_ = Planned::stay_in_window;
     core.solve_in_window(view, before_, /*keyframe=*/false);
+    if (planned_ == Planned::nothing) core.locate(view);
     core.publish_in_window(view);
   }
   void make_keyframe(Core&, const View<Sensors>&) { planned_ = Planned::make_keyframe; }
@@ -64,6 +65,7 @@ class KeyframeWork {
       core_->make_keyframe(*view_);
     } else {
       core_->solve_in_window(*view_, before_, /*keyframe=*/true);
+      core_->locate(*view_);
       core_->stay_in_window(*view_);
     }
     planned_ = Planned::nothing;
@@ -100,6 +102,7 @@ struct KeyframeWork<Core, InOrder> {
     const typename Core::State before = core.window().latest();
     const bool keyframe = core.enter_window(view, x);
     core.solve_in_window(view, before, keyframe);
+    core.locate(view);
     core.publish_in_window(view);
     if (keyframe) core.stay_in_window(view);
   }
