@@ -1,5 +1,5 @@
-// Keyframe work beside the caller: what comes out depends on frames and readings, to the last bit, never on when the work
-// was done; nothing that may be asked for meanwhile is written by it (built with the thread sanitizer as well).
+// Keyframe work beside the caller: what comes out depends on frames and readings, to the last bit, never on when the
+// work was done; nothing that may be asked for meanwhile is written by it (built with the thread sanitizer as well).
 #include "allocation_counter.hpp"
 
 #include "plumbline/estimator/keyframe_work.hpp"

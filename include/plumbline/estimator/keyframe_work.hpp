@@ -1,7 +1,7 @@
 #pragma once
 /// What makes a frame a keyframe: detection, the bundle or window, marginalization. In order it is done before the
-/// frame's pose is published. With an executor every frame is solved for as one that is no keyframe, and published; then
-/// the work goes on beside the caller, until the next frame waits for it.
+/// frame's pose is published. With an executor every frame is solved for as one that is no keyframe, and published;
+/// then the work goes on beside the caller, until the next frame waits for it.
 ///
 /// The work owns all of the odometry while it runs. What may be asked for meanwhile is kept here, as values: the
 /// estimate as it was published, the state that readings are integrated about, the frame's depth. So a pose depends on
