@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds everything with warnings as errors, compiles each header alone, runs all tests, builds the program of the other
-# presets, and runs the unit tests once more with the address and undefined-behaviour sanitizers. Installs what is
-# missing; may be run again at any time.
+# presets, and runs the unit tests once more with the address and undefined-behaviour sanitizers, those of two threads
+# with the thread sanitizer. Installs what is missing; may be run again at any time.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
@@ -36,8 +36,13 @@ cmake --build --preset asan-ubsan
 step "Unit tests with sanitizers"
 run_tests asan-ubsan
 
+step "Tests of two threads with the thread sanitizer"
+quiet cmake --preset tsan -DPLUMBLINE_WERROR=ON
+cmake --build --preset tsan
+run_tests tsan
+
 step "Done"
-for preset in asan-ubsan release; do
+for preset in tsan asan-ubsan release; do
   printf '%s\n' "$preset"
   grep -E '^[0-9]+% tests passed|^Total Test time' "build/ctest-$preset.log"
 done

@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 set(plumbline_package_dir "${CMAKE_INSTALL_DATADIR}/cmake/plumbline")
 
-foreach(component core testing opencv lbd io)
+foreach(component core thread testing opencv lbd io)
   if(TARGET plumbline_${component})
     install(TARGETS plumbline_${component} EXPORT plumbline-${component} FILE_SET HEADERS)
     install(EXPORT plumbline-${component} NAMESPACE plumbline:: DESTINATION "${plumbline_package_dir}")

@@ -2,6 +2,7 @@
 # dependencies, a header belongs to. Each header set is verified: every header compiles alone.
 #
 #   plumbline::core      the estimator; Eigen only
+#   plumbline::thread    an executor with a thread of its own; the system's threads
 #   plumbline::testing   numeric Jacobians, simulated worlds; Eigen only
 #   plumbline::opencv    cv::Mat views, detectors, images from files; OpenCV core, imgproc, imgcodecs, libjpeg
 #   plumbline::lbd       LBD matching of lines; OpenCV's contributed module line_descriptor and plumbline::opencv
@@ -36,6 +37,12 @@ find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 file(GLOB umbrella CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/include/plumbline/*.hpp")
 plumbline_add_target(core FOLDERS ${plumbline_core_folders} FILES ${umbrella} LINK Eigen3::Eigen)
 plumbline_add_target(testing FOLDERS testing LINK plumbline_core)
+
+set(THREADS_PREFER_PTHREAD_FLAG ON)
+find_package(Threads QUIET)
+if(Threads_FOUND)
+  plumbline_add_target(thread FOLDERS thread LINK plumbline_core Threads::Threads)
+endif()
 
 list(APPEND CMAKE_MODULE_PATH "${PROJECT_SOURCE_DIR}/cmake")
 find_package(OpenCVModules QUIET COMPONENTS core imgproc imgcodecs)

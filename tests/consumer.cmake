@@ -15,7 +15,7 @@ add_test(NAME package_install COMMAND ${CMAKE_COMMAND} --install "${PROJECT_BINA
   --component development)
 add_consumer_test(package_core "-DCMAKE_PREFIX_PATH=${prefix}" -DCMAKE_DISABLE_FIND_PACKAGE_OpenCVModules=ON
   -DCMAKE_DISABLE_FIND_PACKAGE_yaml-cpp=ON)
-set(components core testing opencv io)
+set(components core thread testing opencv io)
 if(TARGET plumbline_lbd)
   list(APPEND components lbd)
 endif()

@@ -63,8 +63,8 @@ class DirectBackend {
   /// The bundle of all keyframes, or the newest frame alone when it is none.
   void optimize(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks, bool keyframe = true) {
     alone_ = frame_.solve(rig, T_body_cam, landmarks, window(), links(), window().newest(), options_.frame);
-    if (!keyframe) return bundle_.links().leave_unjudged(window().newest());
-    optimize(rig, T_body_cam, landmarks, options_.solver);
+    bundle_.links().set_judged(window().newest(), keyframe);
+    if (keyframe) optimize(rig, T_body_cam, landmarks, options_.solver);
   }
   LevenbergMarquardtSummary optimize(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks,
                                      const LevenbergMarquardtOptions& solver) {

@@ -29,9 +29,9 @@ class Stopwatch {
   double last_ = C::now();
 };
 
-/// Of the last frame [s]; zero with NoClock.
+/// Of the last frame [s], but for work beside the caller; zero with NoClock.
 struct FrameTiming {
-  double pyramid = 0;
+  double pyramid = 0;   ///< and the wait for work beside the caller
   double align = 0;     ///< prediction and alignment of the image as a whole
   double follow = 0;    ///< of each feature, and what most of them agree on
   double estimate = 0;  ///< motion-only estimate

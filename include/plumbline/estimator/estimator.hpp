@@ -7,20 +7,24 @@
 ///   Result<Estimate<float>> estimate = vio.add_frame({t_ns, gray, depth});
 ///
 /// One frame, front to back: see, predict, track, estimate, keyframe (detect, optimize, retire), publish; when tracking
-/// fails: coast, find again, begin anew. Same input, same output, bit for bit.
+/// fails: coast, find again, begin anew. Same input, same output, bit for bit. With an executor (executor.hpp) the work
+/// on a keyframe goes on beside the caller; what follows waits for it, so that this is as true.
 
 #include "plumbline/core/result.hpp"
 #include "plumbline/estimator/beginning.hpp"
 #include "plumbline/estimator/clock.hpp"
 #include "plumbline/estimator/composition.hpp"
 #include "plumbline/estimator/estimate.hpp"
+#include "plumbline/estimator/executor.hpp"
+#include "plumbline/estimator/keyframe_work.hpp"
 #include "plumbline/estimator/odometry.hpp"
 #include "plumbline/estimator/options.hpp"
 #include "plumbline/map/no_map.hpp"
 
 namespace plumbline {
 
-template <class Sensors, class FeatureSet, class BackendPolicy, Clock TimeSource = NoClock, class MapPolicy = Forgetful>
+template <class Sensors, class FeatureSet, class BackendPolicy, Clock TimeSource = NoClock, class MapPolicy = Forgetful,
+          Executor WorkPolicy = InOrder>
 class Estimator {
   static_assert(SensorRig<Sensors>, "plumbline: argument 1 must be a rig, e.g. Rig<Rgbd<Pinhole<float>>>");
   using Parts = Composition<Sensors, FeatureSet, BackendPolicy>;
@@ -29,6 +33,7 @@ class Estimator {
   using Covariance = typename Core::Covariance;
   using Predicted = typename Core::Predicted;
   using State = typename Core::State;
+  using Work = KeyframeWork<Core, WorkPolicy>;
 
  public:
   using S = typename Sensors::Scalar;
@@ -43,7 +48,7 @@ class Estimator {
   /// One reading, before the frame that comes after it: readings up to the frame's time plus the time offset, as far as
   /// it is known (`latest().time_offset_s`). Between two frames the order does not matter. Errors as in ImuBuffer.
   Result<typename ImuBuffer<>::Accepted> add_imu(const ImuSample& sample) requires Sensors::has_imu {
-    const State latest = core_.window().latest();
+    const State latest = work_.latest_state(core_);
     return core_.motion.imu().add(sample, beginning_.has_first_view() ? &latest : nullptr);
   }
 
@@ -52,6 +57,7 @@ class Estimator {
     if (!ImagePair<Sensors>::has_right_size(core_.rig, frame)) return Error::wrong_image_size;
     if (beginning_.has_first_view() && frame.t_ns <= latest().t_ns) return Error::late_sample;
     Stopwatch<TimeSource> whole, stage;
+    work_.wait();
     if (!core_.images.see(frame)) return Error::wrong_image_size;
     timing_ = {.pyramid = stage.lap()};
     View<Sensors> view = core_.view_of(frame, !beginning_.has_first_view());
@@ -63,23 +69,29 @@ class Estimator {
         beginning_.look_for_second_view(core_, view, predicted.state);
       } else {
         go_on(view, predicted, stage);
-        if (beginning_.is_settling(view.t_ns) && latest().health.state == HealthState::tracking)
+        if (beginning_.is_settling(view.t_ns) && core_.estimate.health.state == HealthState::tracking)
           core_.set_health(HealthState::degraded, HealthReason::scale_uncertain);
       }
     }
+    work_.end_frame(core_, view);
     timing_.total = whole.lap();
     return latest();
   }
 
-  const Estimate<S>& latest() const { return core_.estimate; }
+  /// What the last frame returned.
+  const Estimate<S>& latest() const { return work_.latest(core_); }
   const FrameTiming& timing() const { return timing_; }
   /// How far the start has come, or what keeps it.
   const InitReport& init_report() const { return beginning_.report(); }
 
   const Sensors& rig() const { return core_.rig; }
-  const Landmarks& landmarks() const { return core_.landmarks; }
-  const Backend& backend() const { return core_.backend; }
-  const Map& map() const { return core_.map; }
+
+  /// Until work beside the caller is done; so do the three that read what it writes. The next frame waits by itself.
+  void wait() const { work_.wait(); }
+  const Landmarks& landmarks() const { return wait(), core_.landmarks; }
+  const Backend& backend() const { return wait(), core_.backend; }
+  const Map& map() const { return wait(), core_.map; }
+
   const RigState<Sensors>& rig_state() const { return core_.rig_state; }
   const ImuBuffer<>& imu() const requires Sensors::has_imu { return core_.motion.imu().buffer(); }
   /// What is found out about the camera's clock and mount while running.
@@ -105,12 +117,16 @@ class Estimator {
     } else {
       const State x = core_.motion.update(predicted.state, T, covariance, view);
       if (core_.motion.ties_frames()) {
-        core_.solve_with_window(view, x);
+        work_.solve_in_window(core_, view, x);
       } else {
         core_.solve_alone(view, x, covariance);
-        const bool worth_aligning = beginning_.gather(core_, view);
-        if (core_.needs_keyframe(view.t_ns) || worth_aligning) core_.make_keyframe(view);
-        if (worth_aligning) beginning_.align(core_, view);
+        const bool worth_aligning = beginning_.gather(core_, view), needed = core_.needs_keyframe(view.t_ns);
+        if (worth_aligning) {
+          core_.make_keyframe(view);
+          beginning_.align(core_, view);
+        } else if (needed) {
+          work_.make_keyframe(core_, view);
+        }
       }
       if (lost_frames_ > 0) core_.motion.lose();
       lost_frames_ = 0;
@@ -125,7 +141,7 @@ class Estimator {
     core_.motion.lose();
     if (core_.motion.carries_on()) {
       const bool shows_enough = coast(view, predicted, lacks);
-      if (latest().health.state == HealthState::lost && shows_enough) begin_anew(view);
+      if (core_.estimate.health.state == HealthState::lost && shows_enough) begin_anew(view);
       return;
     }
     ++lost_frames_;
@@ -141,7 +157,7 @@ class Estimator {
   }
 
   void begin_anew(const View<Sensors>& view) {
-    if (latest().health.state != HealthState::initializing) {
+    if (core_.estimate.health.state != HealthState::initializing) {
       ++core_.estimate.resets;
       beginning_.continue_from(core_, view);
     }
@@ -159,14 +175,14 @@ class Estimator {
     bool shows_enough = !is_old && core_.landmarks.seen_count() >= options.min_landmarks;
     if (shows_enough && !is_wrong) {
       core_.images.keep(view, x.T_world_body);
-      core_.front_ends.locate(view, core_.window(), core_.landmarks, x.T_world_body);
+      core_.locate(view);
     } else if (!is_old && !shows_enough && ++lost_frames_ > options.max_blind_frames && core_.look_anew(view)) {
       shows_enough = true;
       lost_frames_ = 0;
     } else {
       if (!is_old) core_.landmarks.for_each([](auto& store) { store.undo_frame(); });
     }
-    const Covariance covariance = core_.motion.covariance_grown(latest().covariance);
+    const Covariance covariance = core_.motion.covariance_grown(core_.estimate.covariance);
     core_.publish(view.t_ns);
     core_.estimate.covariance = covariance;
     core_.estimate.tracked = 0;
@@ -180,6 +196,7 @@ class Estimator {
   Beginning<Core, typename Parts::Start> beginning_;
   int lost_frames_ = 0;  ///< in a row whose image was of no use
   FrameTiming timing_;
+  [[no_unique_address]] Work work_;  ///< the last, so that its end is waited for first
 };
 
 }  // namespace plumbline

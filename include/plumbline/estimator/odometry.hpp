@@ -127,12 +127,11 @@ class Odometry {
     publish(view.t_ns);
     // The keyframe's uncertainty, carried over to this body, plus that of the motion since.
     publish(carried(keyframe_covariance_, window().T_world_body(keyframe_), x.T_world_body) + covariance);
-    front_ends.locate(view, window(), landmarks, x.T_world_body);
+    locate(view);
     good_ns_ = view.t_ns;
   }
   bool needs_keyframe(TimeNs t_ns) {
-    const double moved_px = motion_px();
-    const double moved_rad = moved_px / double(effective_focal_length(rig.vision.camera));
+    const double moved_px = motion_px(), moved_rad = moved_px / double(effective_focal_length(rig.vision.camera));
     const bool needed = rule_.is_keyframe(landmarks.tracked_count(), tracked_at_keyframe_, moved_rad);
     return motion.confirm_keyframe(t_ns, moved_px, needed);
   }
@@ -146,40 +145,41 @@ class Odometry {
     make_room(view);
   }
 
-  /// A frame that is tied to the last keyframe is solved for with the window, and taken out again, without a trace,
-  /// when the next one comes, unless it is a keyframe.
-  void solve_with_window(const View<Sensors>& view, const State& x) {
-    const State before = window().latest();
-    const bool rested = motion.at_rest();
-    const bool keyframe = needs_keyframe(view.t_ns);
-    if (rested && !motion.at_rest()) {
-      keep_temporary(view);
-    } else {
-      drop_temporary();
-    }
-    const int slot = backend.insert(view.t_ns, x, motion.link(keyframe_));
+  /// A frame that is tied to the last keyframe has a place in the window, and is taken out again, without a trace, when
+  /// the next one comes, unless it is a keyframe. True when it is to be one.
+  bool enter_window(const View<Sensors>& view, const State& x) {
+    const bool rested = motion.at_rest(), keyframe = needs_keyframe(view.t_ns);
+    rested && !motion.at_rest() ? keep_temporary(view) : drop_temporary();
+    temporary_ = backend.insert(view.t_ns, x, motion.link(keyframe_));
+    return keyframe;
+  }
+  /// It is solved for as a keyframe, or as one that is none; `before` is the state of the frame before it.
+  void solve_in_window(const View<Sensors>& view, const State& before, bool keyframe) {
     if (keyframe) {
-      front_ends.detect(view, window(), landmarks, slot);
+      front_ends.detect(view, window(), landmarks, temporary_);
     } else {
-      landmarks.for_each([&](auto& store) { store.record(slot); });
+      landmarks.for_each([&](auto& store) { store.record(temporary_); });
     }
     backend.optimize(rig, view.T_body_cam, landmarks, keyframe);
-    window().set_latest(slot);
+    window().set_latest(temporary_);
     if (State solved = window().latest(); motion.revise(before, solved, view.dt)) window().set_latest(solved);
-    const SE3<S> T = window().latest().T_world_body;
-    images.keep(view, T);
-    front_ends.locate(view, window(), landmarks, T);
+  }
+  /// Landmarks without a place in space, by the latest frame's view of them.
+  void locate(const View<Sensors>& view) {
+    front_ends.locate(view, window(), landmarks, window().latest().T_world_body);
+  }
+  void publish_in_window(const View<Sensors>& view) {
+    images.keep(view, window().latest().T_world_body);
     good_ns_ = view.t_ns;
     publish(view.t_ns);
     Covariance covariance;
     if (!backend.covariance_of_newest(covariance)) covariance.setIdentity();
     publish(covariance);
-    if (keyframe) {
-      adopt_keyframe(view, slot);
-      make_room(view);
-    } else {
-      temporary_ = slot;
-    }
+  }
+  void stay_in_window(const View<Sensors>& view) {
+    adopt_keyframe(view, temporary_);
+    temporary_ = none;
+    make_room(view);
   }
 
   /// The frame in `slot` is the last keyframe now.

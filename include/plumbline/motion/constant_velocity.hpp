@@ -27,7 +27,7 @@ struct NoLinks {
   void deactivate() {}
   void insert(int /*slot*/, const auto& /*state*/, const NoLink&) {}
   void remove(int /*slot*/) {}
-  void leave_unjudged(int /*slot*/) {}
+  void set_judged(int /*slot*/, bool /*judged*/) {}
   void follow_biases(const auto& /*window*/) {}
   void for_each_row(const auto& /*window*/, int /*slot*/, auto&& /*take*/) const {}
   double cost(const auto& /*window*/) const { return 0; }

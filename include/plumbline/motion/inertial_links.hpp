@@ -135,8 +135,8 @@ class InertialLinks {
     return sum;
   }
 
-  /// The link's ends were not estimated together: how well they agree says nothing about the readings.
-  void leave_unjudged(int slot) { links_[slot].judged = false; }
+  /// A link whose ends were not estimated together: how well they agree says nothing about the readings.
+  void set_judged(int slot, bool judged) { links_[slot].judged = judged; }
   /// Mean squared whitened residual of rotation, position and velocity over all increments: about 1 where the readings
   /// agree with the states as well as their noise allows, 0 without increments.
   double disagreement(const auto& window) const {
