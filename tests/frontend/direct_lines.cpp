@@ -1,6 +1,8 @@
 #include "plumbline/frontend/direct_lines.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "catch.hpp"
 #include "frontend/direct_life.hpp"
@@ -55,4 +57,53 @@ TEST_CASE("direct_lines: lines are followed from the aligned pose") {
     life.images->keep(view, life.T(i));
     CHECK(store.tracked_count() > first / 2);
   }
+}
+
+TEST_CASE("direct_lines: a camera without depth filters the depth of new lines until it is known") {
+  using Set = Features<Lines<60>>;
+  test::DirectLife<test::DirectRgbd<double>, Set> truth;
+  test::DirectLife<test::DirectMono<double>, Set> life;
+  truth.begin();
+  life.begin();
+  auto& store = life.landmarks->get<0>();
+  REQUIRE(store.tracked_count() == 0);
+  // Both see the same segments. Every other line is known, as a start would have it: the others are then filtered.
+  const auto true_line = [&](const auto& landmark) {
+    for (const auto& other : truth.landmarks->get<0>().landmarks()) {
+      const bool same = (other.observations[0].segment.start - landmark.observations[0].segment.start).norm() < 0.01f;
+      if (same && other.located) return &other.geometry;
+    }
+    return static_cast<const LineGeometry<double>*>(nullptr);
+  };
+  std::vector<std::uint32_t> known;
+  for (auto& landmark : store.landmarks()) {
+    const auto* line = true_line(landmark);
+    if (!line || landmark.id % 2 != 0) continue;
+    landmark.geometry = *line;
+    landmark.located = true;
+    known.push_back(landmark.id);
+  }
+  REQUIRE(known.size() >= 5);
+  for (int i = 1; i < 10; ++i) {
+    const auto view = life.view(i);
+    life.ends->follow(view, life.window, *life.landmarks, life.T(i));
+    life.ends->refine(view, life.window, *life.landmarks, life.T(i));
+    life.ends->locate(view, life.window, *life.landmarks, life.T(i));
+    life.images->keep(view, life.T(i));
+  }
+  std::vector<double> errors;
+  for (const auto& landmark : store.landmarks()) {
+    const auto* line = true_line(landmark);
+    if (!landmark.located || !line || std::count(known.begin(), known.end(), landmark.id) > 0) continue;
+    const auto& seen = landmark.seen_by_anchor().pixels.measured;
+    for (const auto& ray : {seen.bearing_start, seen.bearing_end}) {
+      const double expected = line->line.plucker().facing_plane().dot(ray),
+                   found = landmark.geometry.line.plucker().facing_plane().dot(ray);
+      errors.push_back(std::abs(found / expected - 1));
+    }
+  }
+  std::sort(errors.begin(), errors.end());
+  CAPTURE(errors.size());
+  REQUIRE(errors.size() >= 6);
+  CHECK(errors[errors.size() / 2] < 0.1);
 }

@@ -66,6 +66,7 @@ TEST_CASE("direct_points: a camera without depth filters the depth of new points
     landmark.located = true;
     landmark.geometry.inverse_range = truth(landmark);
     landmark.geometry.sigma_inverse_range = 0.02 * truth(landmark);
+    landmark.id += 200 + 1;  // the place among the filters that the next one has: located ones need none
     known.push_back(landmark.id);
   }
   for (int i = 1; i < 10; ++i) {
@@ -90,4 +91,56 @@ TEST_CASE("direct_points: a camera without depth filters the depth of new points
   std::sort(errors.begin(), errors.end());
   CAPTURE(filtered, errors.size());
   CHECK(errors[errors.size() / 2] < 0.1);
+}
+
+TEST_CASE("direct_points: a new point that the frame has lost is found along its ray") {
+  using Life = test::DirectLife<test::DirectMono<double>, Features<Points<200>>>;
+  Life life;
+  life.begin();
+  auto& store = life.landmarks->get<0>();
+  const auto& depth = test::direct_room().frames[0].depth;
+  const auto inverse_range = [&](const auto& landmark) {
+    const Vec<float, 2>& uv = landmark.observations[0].pixel;
+    const double z = 1e-3 * depth.view()(int(std::lround(uv.x())), int(std::lround(uv.y())));
+    return z > 0 ? landmark.geometry.bearing.z() / z : 0.0;
+  };
+  for (std::size_t k = 0; k < store.landmarks().size(); k += 3) {
+    auto& landmark = store.landmarks()[k];
+    landmark.geometry.inverse_range = inverse_range(landmark);
+    landmark.located = landmark.geometry.inverse_range > 0;
+    landmark.geometry.sigma_inverse_range = 0.02 * landmark.geometry.inverse_range;
+  }
+  const auto step = [&](int i, bool lose) {
+    const auto view = life.view(i);
+    life.ends->follow(view, life.window, *life.landmarks, life.T(i));
+    int lost = 0;
+    for (auto& landmark : store.landmarks()) {
+      if (!lose || landmark.located || !landmark.current.valid) continue;
+      landmark.current.valid = false;
+      ++lost;
+    }
+    life.ends->refine(view, life.window, *life.landmarks, life.T(i));
+    if (!lose) {
+      life.ends->locate(view, life.window, *life.landmarks, life.T(i));
+      life.images->keep(view, life.T(i));
+    }
+    return lost;
+  };
+  step(1, false);
+  const int lost = step(3, true);
+  int found = 0;
+  std::vector<float> errors;
+  for (const auto& landmark : store.landmarks()) {
+    if (landmark.located || !landmark.current.valid) continue;
+    ++found;
+    const double lambda = inverse_range(landmark);
+    if (!(lambda > 0)) continue;
+    const Vec<double, 3> p_cam = life.T(3).inverse() * (life.T(0) * Vec<double, 3>(landmark.geometry.bearing / lambda));
+    errors.push_back((life.rig.vision.camera.project(p_cam).uv.cast<float>() - landmark.current.uv).norm());
+  }
+  CAPTURE(lost, found, errors.size());
+  REQUIRE(lost > 15);
+  CHECK(found > lost / 2);
+  std::sort(errors.begin(), errors.end());
+  CHECK(errors[errors.size() / 2] < 0.5f);
 }

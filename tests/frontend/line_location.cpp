@@ -117,6 +117,46 @@ TEMPLATE_TEST_CASE("line_location: without depth, planes with parallax cut in th
   REQUIRE(located > 3);
 }
 
+TEMPLATE_TEST_CASE("line_location: from the filtered ends of the anchor's segment", "", float, double) {
+  using S = TestType;
+  double sum = 0;
+  int count = 0;
+  for (std::uint64_t seed = 1; seed < 30; ++seed) {
+    for (const double noise_scale : {0.0, 1.0}) {
+      MonoLines<S> seen(12, noise_scale, seed);
+      for (std::size_t i = 0; i < 12; ++i) {
+        auto& landmark = seen.store->landmarks()[i];
+        landmark.located = false;
+        const auto in_anchor = rays_of(landmark.seen_by_anchor().pixels);
+        auto filter = SegmentDepthFilter<S>::around(S(0.33));
+        for (int k = 0; k < seen.used; ++k) {
+          const auto& observation = landmark.observations[std::size_t(k)];
+          if (k == landmark.anchor || !observation.valid) continue;
+          const SE3<double> T = seen.T_world_cam(k).inverse() * seen.T_world_cam(landmark.anchor);
+          filter.update(in_anchor, rays_of(observation.pixels), T.template cast<S>());
+        }
+        if (!filter.converged(S(0.2), in_anchor)) continue;
+        locate_from_ends(landmark, filter);
+        REQUIRE(landmark.located);
+        const Mat<double, 4, 4> covariance = landmark.geometry.covariance.template cast<double>();
+        const Vec<double, 4> e =
+            minus(landmark.geometry.line.template cast<double>(), seen.true_line(i, landmark.anchor));
+        const double nees = e.dot(covariance.ldlt().solve(e)) / 4;
+        if (noise_scale == 0) {
+          REQUIRE(nees < 0.1);  // what the prior leaves
+        } else {
+          sum += nees;
+          ++count;
+        }
+      }
+    }
+  }
+  CAPTURE(count, sum / count);
+  REQUIRE(count > 150);
+  REQUIRE(sum / count > 0.4);  // so few measurements leave a doubt whether they meant the line
+  REQUIRE(sum / count < 1.4);
+}
+
 TEST_CASE("line_location: what does not fit the anchor's edge, or is no number, stays where it is") {
   Scene<RgbdLines<double>> scene(2, 0);
   testing::Gaussian noise(1);

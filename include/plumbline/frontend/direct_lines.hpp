@@ -1,6 +1,7 @@
 #pragma once
 /// Lines by direct alignment: the pixels along them help to find the frame's pose (frontend/image_motion.hpp); then
-/// each is found by its edge, near to where that pose sees it.                  docs/math/direct.md, docs/math/line.md
+/// each is found by its edge, near to where that pose sees it. Without a depth sensor the inverse ranges of both ends
+/// of a new one are filtered from frame to frame until they are known.          docs/math/direct.md, docs/math/line.md
 
 #include <algorithm>
 
@@ -8,7 +9,10 @@
 #include "plumbline/feature/landmark_store.hpp"
 #include "plumbline/feature/view.hpp"
 #include "plumbline/frontend/edge_following.hpp"
+#include "plumbline/frontend/line_location.hpp"
+#include "plumbline/frontend/seeds.hpp"
 #include "plumbline/geometry/line3.hpp"
+#include "plumbline/geometry/segment_depth_filter.hpp"
 #include "plumbline/tracking/image_alignment.hpp"
 #include "plumbline/tracking/line_detector.hpp"
 #include "plumbline/tracking/line_segment.hpp"
@@ -19,8 +23,10 @@ struct DirectLineOptions : EdgeFollowingOptions {
   DirectLineOptions() {
     search_tracked_again = false;  // the aligned pose is nearly the estimated one
   }
-  float sample_spacing_px = 12;  ///< of the patches along a segment
-  float max_weight = 1.5f;       ///< of all patches of a segment together, in patches of points
+  float sample_spacing_px = 12;   ///< of the patches along a segment
+  float max_weight = 1.5f;        ///< of all patches of a segment together, in patches of points
+  bool filter_depth = true;       ///< of the ends of new landmarks; else by the two views that have enough parallax
+  double max_depth_error = 0.33;  ///< relative: new landmarks whose ends are known better have a place in space
 };
 
 template <class Store, LineDetector Detector = LineSegmentDetector<>>
@@ -72,7 +78,24 @@ class DirectLines {
     edges_.refine(view, window, store, T_world_body);
   }
   void locate(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
-    edges_.locate(view, window, store, T_world_body);
+    S sum = S(0);
+    int count = 0;
+    store.add_inverse_ranges(sum, count);
+    if (Sensors::has_depth || !options_.filter_depth || count < min_located) {
+      edges_.locate(view, window, store, T_world_body);
+      return;
+    }
+    const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
+    for (Landmark& landmark : store.landmarks()) {
+      if (landmark.located || !landmark.current.valid || !landmark.seen_by_anchor().valid) continue;
+      SegmentDepthFilter<S>& depth = seeds_.of(landmark.id);
+      if (!depth.known()) depth = SegmentDepthFilter<S>::around(sum / S(count));
+      const SegmentRays<S> in_anchor = rays_of(landmark.seen_by_anchor().pixels);
+      depth.update(in_anchor, rays_of(landmark.current.pixels),
+                   T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam));
+      if (depth.diverged()) landmark.current.valid = false;
+      if (depth.converged(S(options_.max_depth_error), in_anchor)) locate_from_ends(landmark, depth);
+    }
   }
   void detect(const View<Sensors>& view, const auto& window, Store& store, int slot) {
     edges_.detect(view, window, store, slot);
@@ -80,9 +103,11 @@ class DirectLines {
 
  private:
   static constexpr S min_depth = S(0.1), max_range = S(1e3);  ///< [m]
+  static constexpr int min_located = 5;                       ///< that tell how far a new landmark may be
 
   Options options_;
   EdgeFollowing<Store, Detector> edges_;
+  Seeds<SegmentDepthFilter<S>, Store::capacity> seeds_;
 };
 
 }  // namespace plumbline

@@ -1,22 +1,24 @@
 #pragma once
 /// Points by direct alignment: the frame's pose comes from the pixels of all of them together
 /// (frontend/image_motion.hpp), and each is then aligned with its pixels in the anchor where that pose sees it. Without
-/// a depth sensor the inverse depth of a new one is filtered from frame to frame until it is known. Landmarks out of
-/// sight are looked for where the estimated pose puts them. Before there is a map all are followed by optical flow.
+/// a depth sensor the inverse depth of a new one is filtered from frame to frame until it is known; where neither flow
+/// nor alignment finds it, it is looked for along the curve that its ray draws in the image. Landmarks out of sight are
+/// looked for where the estimated pose puts them. Before there is a map all are followed by optical flow.
 ///                                                                          docs/math/direct.md, docs/math/tracking.md
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <limits>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/landmark_store.hpp"
 #include "plumbline/feature/view.hpp"
 #include "plumbline/frontend/point_flow.hpp"
+#include "plumbline/frontend/seeds.hpp"
 #include "plumbline/geometry/depth_filter.hpp"
 #include "plumbline/geometry/triangulation.hpp"
+#include "plumbline/tracking/epipolar_search.hpp"
 #include "plumbline/tracking/feature_alignment.hpp"
 #include "plumbline/tracking/image_alignment.hpp"
 #include "plumbline/tracking/optical_flow.hpp"
@@ -28,6 +30,8 @@ struct DirectPointOptions : PointFlowOptions {
   bool flow_as_well = true;       ///< where the anchor's pixels are not found
   bool filter_depth = true;       ///< of new landmarks; else by the two views that have enough parallax
   double max_depth_error = 0.33;  ///< relative: new landmarks whose inverse depth is known better have a place in space
+  int max_new_searches = 60;      ///< new landmarks out of track that one frame looks for along their epipolar curves
+  EpipolarSearchOptions epipolar;
 };
 
 template <class Store>
@@ -69,10 +73,13 @@ class DirectPoints {
       Vec<float, 2> guess = flow_.expected(view, window, landmark, T_cam_world);
       S inverse_range = landmark.geometry.inverse_range;
       bool known = landmark.located;
-      if (const DepthFilter<S>& depth = depth_of(landmark); !known && depth.known()) {
-        known = true;
-        inverse_range = depth.mu;
-        guess = moved(view, window, landmark, depth.mu, T_cam_world, guess);
+      if (!known) {  // only then: a located one has no filter, and must not take the place of another's
+        const DepthFilter<S>& depth = seeds_.of(landmark.id);
+        known = depth.known();
+        if (known) {
+          inverse_range = depth.mu;
+          guess = moved(view, window, landmark, depth.mu, T_cam_world, guess);
+        }
       }
       if (known) {
         const Alignment aligned =
@@ -118,6 +125,7 @@ class DirectPoints {
       }
     }
     if (n > 0) first_search_ = (first_search_ + static_cast<std::size_t>(options_.max_searches)) % n;
+    search_new(view, window, store, T_cam_world);
   }
 
   void locate(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
@@ -131,7 +139,7 @@ class DirectPoints {
     const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
     for (Landmark& landmark : store.landmarks()) {
       if (landmark.located || !landmark.current.valid) continue;
-      DepthFilter<S>& depth = depth_of(landmark);
+      DepthFilter<S>& depth = seeds_.of(landmark.id);
       if (!depth.known()) depth = DepthFilter<S>::around(sum / S(count));
       measure(view, landmark, T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam), depth);
       if (depth.diverged()) landmark.current.valid = false;
@@ -163,12 +171,6 @@ class DirectPoints {
     return view.current.level(0).contains(seen.x(), seen.y(), border_px);
   }
 
-  /// The filter of a landmark without a place in space.
-  DepthFilter<S>& depth_of(const Landmark& landmark) {
-    Seed& seed = seeds_[landmark.id % seeds_.size()];
-    if (seed.id != landmark.id) seed = {landmark.id, {}};
-    return seed.depth;
-  }
   /// What the latest frame says of it, where there is enough parallax to say anything.
   void measure(const View<Sensors>& view, const Landmark& landmark, const SE3<S>& T_cam_anchor,
                DepthFilter<S>& depth) const {
@@ -200,6 +202,28 @@ class DirectPoints {
     return guess + (now.uv - turned.uv).template cast<float>();
   }
 
+  /// Looks for landmarks without a place in space that the frame has lost: along their rays, as far as the filter of
+  /// each leaves open.
+  void search_new(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_cam_world) {
+    constexpr S sigmas = S(2), least = S(1e-3);
+    const auto seen = [&](const Vec<S, 2>& uv) { return view.shutter.seen(uv); };
+    int searches = 0;
+    for (Landmark& landmark : store.landmarks()) {
+      if (searches >= options_.max_new_searches) break;
+      if (landmark.located || landmark.current.valid) continue;
+      const DepthFilter<S>& depth = seeds_.of(landmark.id);
+      if (!depth.known()) continue;
+      ++searches;
+      const S reach = sigmas * depth.sigma();
+      const InverseRangeInterval<S> lambda{depth.mu, std::max(depth.mu - reach, least * depth.mu), depth.mu + reach};
+      const EpipolarMatch<S> match =
+          search_epipolar_curve(view.camera(), landmark.appearance, landmark.geometry.bearing, lambda,
+                                T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam), view.current,
+                                seen, options_.epipolar, options_.alignment);
+      if (match.aligned.valid) observe(view, landmark, match.aligned);
+    }
+  }
+
   Alignment align(const View<Sensors>& view, const auto& window, const Landmark& landmark, S inverse_range,
                   const SE3<S>& T_cam_world, const Vec<float, 2>& guess, bool coarse_start) const {
     const SE3<S> T_cam_anchor = T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam);
@@ -217,15 +241,11 @@ class DirectPoints {
         whitening_of(aligned.information_per_intensity, float(options_.sigma_px), float(options_.sigma_intensity));
   }
 
-  struct Seed {
-    std::uint32_t id = std::numeric_limits<std::uint32_t>::max();
-    DepthFilter<S> depth;
-  };
   static constexpr int min_located = 10;  ///< that tell how far a new landmark may be
 
   Options options_;
   PointFlow<Store> flow_;
-  std::array<Seed, Store::capacity> seeds_;
+  Seeds<DepthFilter<S>, Store::capacity> seeds_;
   std::size_t first_search_ = 0;
 };
 

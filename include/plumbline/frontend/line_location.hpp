@@ -11,6 +11,7 @@
 #include "plumbline/feature/segment_observation.hpp"
 #include "plumbline/geometry/line_depth.hpp"
 #include "plumbline/geometry/line_triangulation.hpp"
+#include "plumbline/geometry/segment_depth_filter.hpp"
 #include "plumbline/residual/anchored_line.hpp"
 #include "plumbline/residual/relative_view.hpp"
 #include "plumbline/solver/gauss_newton.hpp"
@@ -105,6 +106,43 @@ void locate_line(Landmark& landmark, const RelativeView<S>& latest, const LineTr
   const std::array<LineTriangulationView<S>, 2> views{plane_of(in_anchor, SE3<S>()), plane_of(seen, T_latest_anchor)};
   const auto found = triangulate_line(std::span<const LineTriangulationView<S>>(views), options);
   if (found.valid) detail::adopt_line(landmark, found.line, found.covariance);
+}
+
+/// A segment as the filter of its ends takes it.
+template <class S>
+SegmentRays<S> rays_of(const SegmentMeasurement<LineReprojection<S>>& pixels) {
+  const LineReprojection<S>& seen = pixels.measured;
+  SegmentRays<S> out{seen.bearing_start, seen.bearing_end, pixels.covariance};
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) out.C(i, j) /= seen.px_per_rad[i] * seen.px_per_rad[j];
+  }
+  return out;
+}
+
+/// The line from its edge in the anchor and the filtered inverse ranges of both ends:
+///   r_i = lambda_i(line) + beta_i delta_i - mu_i,   delta_i = nh . b_i of the anchor's edge                   (21)
+template <class Landmark, class S>
+void locate_from_ends(Landmark& landmark, const SegmentDepthFilter<S>& filter) {
+  const auto& in_anchor = landmark.seen_by_anchor();
+  const LineReprojection<S>& seen = in_anchor.pixels.measured;
+  const Vec<S, 3>&start = seen.bearing_start, &end = seen.bearing_end;
+  const Vec<S, 2> mu(filter.ends()[0].depth.mu, filter.ends()[1].depth.mu);
+  const Line3<S> line = Line3<S>::through(start / mu[0], end / mu[1]);
+  const LineInverseDepth<S> rays{start / start.z(), end / end.z(), {mu[0] / start.z(), mu[1] / end.z()}};
+  const auto depth = AnchoredLine<LineInverseDepth<S>>{rays}.linearize_in_anchor(line);
+  const auto edge = AnchoredLine<LineReprojection<S>>{seen}.linearize_in_anchor(line);
+  if (!depth.valid || !edge.valid) return;
+  DenseNormalEquations<double, 4> system;
+  detail::add_in_anchor(in_anchor.pixels, line, system);
+  for (int i = 0; i < 2; ++i) {
+    const auto& filtered = filter.ends()[std::size_t(i)];
+    const S b_z = i == 0 ? start.z() : end.z();
+    const Mat<S, 1, 4> J = b_z * block<1, 4>(depth.J_r_line, i, 0) +
+                           (filtered.by_anchor / seen.px_per_rad[i]) * block<1, 4>(edge.J_r_line, i, 0);
+    system.add(J, Vec<S, 1>(S(0)), 1 / double(filtered.depth.variance));
+  }
+  Mat<double, 4, 4> covariance;
+  if (system.covariance(covariance)) detail::adopt_line(landmark, line, Mat<S, 4, 4>(covariance.template cast<S>()));
 }
 
 }  // namespace plumbline

@@ -36,15 +36,20 @@ struct DepthFilter {
   /// Share of the measurements that mean the point.
   S inlier_share() const { return a / (a + b); }
 
-  /// A measurement x with standard deviation tau. Counts against the point where it cannot be explained at all.
-  void update(S x, S tau) {
+  /// A measurement x with standard deviation tau. Counts against the point where it cannot be explained at all. Returns
+  /// the gain: by how much of (x - mu) the mean moved.
+  S update(S x, S tau) {
     const S tau2 = tau * tau, sum = variance + tau2, n = a + b;
     const S density = std::exp(-(x - mu) * (x - mu) / (2 * sum)) / std::sqrt(2 * pi * sum);
     S C1 = a / n * density, C2 = b / n / range;
     const S norm = C1 + C2;
-    if (!(norm > S(0)) || !std::isfinite(norm)) return miss();
+    if (!(norm > S(0)) || !std::isfinite(norm)) {
+      miss();
+      return S(0);
+    }
     C1 /= norm;
     C2 /= norm;
+    const S gain = C1 * variance / sum;
     const S s2 = variance * tau2 / sum, m = (mu * tau2 + x * variance) / sum;
     const S mean = C1 * m + C2 * mu;  // (13), about the mean: no difference of large squares
     const S spread = C1 * (s2 + (m - mean) * (m - mean)) + C2 * (variance + (mu - mean) * (mu - mean));
@@ -55,6 +60,7 @@ struct DepthFilter {
     variance = spread;
     b = inliers * (1 - f) / f;
     a = inliers;
+    return gain;
   }
   /// Looked for inside the image, and not found.
   void miss() { b += 1; }
