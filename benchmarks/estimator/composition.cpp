@@ -19,6 +19,7 @@
 #include "plumbline/map/no_map.hpp"
 #include "plumbline/motion/constant_velocity.hpp"
 #include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/state/origin.hpp"
 #include "plumbline/testing/rig.hpp"
 #include "plumbline/testing/scenes.hpp"
 #include "plumbline/testing/simulated_camera.hpp"
@@ -74,8 +75,10 @@ class ByHand {
 
     window().set_latest({T});
     keep(view, T);
+    origin_.travel_to(T);
     const Mat<S, 6, 6> Ad = (T.inverse() * window().T_world_body(keyframe_)).adjoint();
-    covariance_ = Ad * keyframe_covariance_ * Ad.transpose() + covariance;
+    const Mat<S, 6, 6> of_frame = Ad * keyframe_covariance_ * Ad.transpose() + covariance;
+    covariance_ = of_frame + origin_.at(T);
     flow_.locate(view, window(), store(), T);
     store().prune();
     if (needs_keyframe()) make_keyframe(view);
@@ -164,7 +167,9 @@ class ByHand {
     keep(view, window().latest().T_world_body);
     keyframe_ = slot;
     tracked_at_keyframe_ = store().tracked_count();
-    if (backend_.covariance_of_newest(keyframe_covariance_)) covariance_ = keyframe_covariance_;
+    if (backend_.covariance_of_newest(keyframe_covariance_)) {
+      covariance_ = keyframe_covariance_ + origin_.at(T_world_body_);
+    }
   }
   void keep(const View<Sensors>& view, const SE3<S>& T) {
     kept_ = &view.current == &pyramids_[0] ? 0 : 1;
@@ -189,6 +194,7 @@ class ByHand {
   TimeNs t_ns_ = 0;
   int kept_ = 0, keyframe_ = 0, tracked_at_keyframe_ = 0;
   SE3<S> T_world_kept_, T_world_body_;
+  Origin<S> origin_{S(0.002)};
   Vec<S, 6> velocity_ = Vec<S, 6>::Zero();
   Mat<S, 6, 6> covariance_, keyframe_covariance_ = Mat<S, 6, 6>::Zero();
 };

@@ -1,5 +1,7 @@
 #include "plumbline/state/origin.hpp"
 
+#include <cmath>
+
 #include "catch.hpp"
 #include "plumbline/lie/plus.hpp"
 #include "plumbline/testing/gaussian.hpp"
@@ -69,4 +71,22 @@ TEMPLATE_TEST_CASE("origin: nothing is uncertain of the first one, doubts add up
   origin.set(T, P);
   CHECK((origin.at(T) - P).norm() < S(1e-4) * P.norm());
   CHECK((origin.at(T_later) - carried(P, T, T_later)).norm() < S(1e-4) * P.norm());
+}
+
+TEMPLATE_TEST_CASE("origin: what the calibration is wrong by grows with the way, there and back", "", float, double) {
+  using S = TestType;
+  Origin<S> origin(S(0.01));
+  const auto sigma = [&](const SE3<S>& T, int k) { return std::sqrt(origin.at(T)(k, k)); };
+  const SE3<S> turn(SO3<S>::exp({S(0), S(0.5), S(0)}), Vec<S, 3>::Zero()), step(SO3<S>(), {S(2), S(0), S(0)});
+  origin.set(turn, Mat<S, 6, 6>::Zero());
+  CHECK(origin.at(turn).norm() == 0);
+  origin.travel_to(turn * step);
+  CHECK(sigma(turn * step, 4) == Approx(0.02));
+  CHECK(sigma(turn * step, 1) == 0);
+  origin.travel_to(turn);
+  origin.travel_to(SE3<S>());
+  CHECK(sigma(SE3<S>(), 3) == Approx(0.04));
+  CHECK(sigma(SE3<S>(), 2) == Approx(0.005));
+  origin.set(SE3<S>(), Mat<S, 6, 6>::Zero());
+  CHECK(origin.at(SE3<S>()).norm() == 0);
 }

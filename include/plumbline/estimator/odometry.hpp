@@ -42,6 +42,7 @@ class Odometry {
         front_ends(opts),
         motion(sensors, opts.motion),
         backend(opts.backend, opts.motion),
+        origin(S(opts.calibration_error)),
         pose_(opts.pose),
         rule_(opts.keyframe) {}
 
@@ -95,8 +96,7 @@ class Odometry {
     front_ends.agree(view, window(), landmarks, options.ransac, T);
   }
 
-  /// The pose alone, again without the outliers that it found, then with every landmark looked for again where it sees
-  /// them. Returns what it lacks, `none` when it is determined.
+  /// The pose alone, again without its outliers, then with every landmark looked for where it sees them; what it lacks.
   HealthReason find_pose(const View<Sensors>& view, const Predicted& predicted, SE3<S>& T, Covariance& covariance) {
     const auto refine = [&] {
       return pose_.refine(rig, view.T_body_cam, landmarks, window(), predicted.state.T_world_body, predicted.prior, T,
@@ -255,6 +255,7 @@ class Odometry {
     const State x = window().latest();
     estimate.t_ns = t_ns;
     estimate.T_world_body = x.T_world_body;
+    origin.travel_to(x.T_world_body);
     estimate.keyframe = false;
     estimate.tracked = landmarks.tracked_count();
     const bool few = estimate.tracked < 2 * options.pose.min_inliers;

@@ -34,6 +34,7 @@ struct EstimatorOptions : Parts::FrontEnds::Options {
   RotationAlignmentOptions rotation;
   ReadoutOptions readout;
   RecoveryOptions recovery;
+  double calibration_error = 0.002;  ///< what no residual shows, of the angle turned and the way travelled
 };
 
 }  // namespace plumbline

@@ -1,14 +1,16 @@
 #pragma once
-/// Where an estimate began, or began anew: what is not known of that place is not known of any pose after it.
+/// Where an estimate began, or began anew: what is not known of that place is not known of any pose after it. Nor is
+/// what the calibration of lens, depth and readings is wrong by: no residual shows it, and it grows with the way.
 ///
-///   P(T) = P_window + Ad P_origin Ad^T,  Ad = Ad(T^-1 T_origin)                                               (1)
+///   P(T) = P_window + Ad P_origin Ad^T + k^2 diag(a^2 I, s^2 I),   Ad = Ad(T^-1 T_origin)                     (1)
+/// a, s: angle turned and distance travelled since the origin.
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/se3.hpp"
 
 namespace plumbline {
 
-/// Covariance P of a body at T [rad, m], right increments, as one of the same body at T_elsewhere: (1).
+/// Covariance P of a body at T [rad, m], right increments, as one of the same body at T_elsewhere: the Ad of (1).
 template <class S>
 Mat<S, 6, 6> carried(const Mat<S, 6, 6>& P, const SE3<S>& T, const SE3<S>& T_elsewhere) {
   const Mat<S, 6, 6> Ad = (T_elsewhere.inverse() * T).adjoint();
@@ -38,10 +40,21 @@ class Origin {
  public:
   using Covariance = Mat<S, 6, 6>;
 
+  /// `calibration_error`: k of (1).
+  explicit Origin(S calibration_error = S(0)) : calibration_error_(calibration_error) {}
+
   /// It is at T, of which that much is known.
   void set(const SE3<S>& T, const Covariance& P) {
-    T_ = T;
+    T_ = latest_ = T;
     P_ = P;
+    angle_ = distance_ = S(0);
+  }
+  /// The body has come to T.
+  void travel_to(const SE3<S>& T) {
+    const SE3<S> way = latest_.inverse() * T;
+    angle_ += way.rotation().log().norm();
+    distance_ += way.p().norm();
+    latest_ = T;
   }
   /// What is measured from T on has that place with a sigma [m], and that heading about the vertical [rad].
   void doubt(const SE3<S>& T, S place_sigma, S heading_sigma) {
@@ -52,12 +65,22 @@ class Origin {
       P_(3 + i, 3 + i) += place_sigma * place_sigma;
     }
   }
-  /// The part of a pose's covariance that is the origin's.
-  Covariance at(const SE3<S>& T) const { return carried(P_, T_, T); }
+  /// The part of a pose's covariance that is the origin's and the way's.
+  Covariance at(const SE3<S>& T) const {
+    Covariance P = carried(P_, T_, T);
+    const S turned = calibration_error_ * angle_, travelled = calibration_error_ * distance_;
+    for (int k = 0; k < 3; ++k) {
+      P(k, k) += turned * turned;
+      P(3 + k, 3 + k) += travelled * travelled;
+    }
+    return P;
+  }
 
  private:
-  SE3<S> T_;
+  S calibration_error_;
+  SE3<S> T_, latest_;
   Covariance P_ = Covariance::Zero();
+  S angle_ = S(0), distance_ = S(0);
 };
 
 }  // namespace plumbline
