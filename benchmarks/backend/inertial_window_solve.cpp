@@ -82,7 +82,7 @@ struct Window {
       observe(landmarks.template get<1>(), ends, x.T_world_body, slot, noise);
     }
     const InertialStart<S, DepthStart<S>> start({});
-    backend.restart([&](int slot) { return starts[std::size_t(slot)]; }, start.prior_on_biases());
+    backend.restart([&](int slot) { return starts[std::size_t(slot)]; }, start.prior_on_biases(), rig.T_body_cam());
     for (int k = 0; k < keyframes; ++k) {  // with the velocities above, not those that the positions tell of
       using Velocity = Estimated<state::Velocity, S>;
       backend.window().state(k).template get<state::Velocity>() = Velocity(starts[std::size_t(k)].v_world_body);

@@ -133,6 +133,7 @@ void DebugReport::add_row(std::size_t number, pl::TimeNs t_ns, const FrameOutput
   if (has_imu_) {
     frames_.set("time_offset_ms", 1e3 * now.inertial->time_offset_s);
     frames_.set("turned_deg", degrees * now.inertial->turned.norm());
+    frames_.set("moved_cm", 100 * now.inertial->moved.norm());
     const bool started = now.inertial->start.stage == pl::InitStage::done;
     pl::Vec<double, 9> motion = pl::Vec<double, 9>::Constant(unknown);
     const pl::Vec<double, 9> sigma = now.inertial->sigma.value_or(motion);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <optional>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 
@@ -48,6 +49,7 @@ template <class S>
 plumbline::Estimate<double> to_double(const plumbline::Estimate<S>& e) {
   return {e.t_ns,
           e.time_offset_s,
+          e.T_body_cam.template cast<double>(),
           e.T_world_body.template cast<double>(),
           e.covariance.template cast<double>(),
           e.v_world_body.template cast<double>(),
@@ -57,6 +59,30 @@ plumbline::Estimate<double> to_double(const plumbline::Estimate<S>& e) {
           e.tracked,
           e.keyframe,
           e.resets};
+}
+
+/// Where the camera sits, as the window found it; before there is one, how it seems to be turned.
+template <class Estimator>
+void inspect_mount(const Estimator& estimator, InertialInspection& out) {
+  const auto deviation = [](const auto& T, const auto& calibrated) {
+    return std::pair(
+        plumbline::Vec<double, 3>((T.rotation() * calibrated.rotation().inverse()).log().template cast<double>()),
+        plumbline::Vec<double, 3>((T.p() - calibrated.p()).template cast<double>()));
+  };
+  const auto& window = estimator.backend().window();
+  const auto calibrated = estimator.rig().T_body_cam();
+  std::tie(out.turned, out.moved) = deviation(estimator.rig_state().T_body_cam(), calibrated);
+  out.corrects_mount = window.estimates_mount();
+  plumbline::Mat<double, 6, 6> C;
+  if (out.corrects_mount && estimator.backend().covariance_of_mount(C)) {
+    const plumbline::Mat<double, 3, 3> R = calibrated.R().template cast<double>();
+    out.sigma_turned = (R * C.topLeftCorner<3, 3>() * R.transpose()).diagonal().cwiseSqrt();
+    out.sigma_moved = (R * C.bottomRightCorner<3, 3>() * R.transpose()).diagonal().cwiseSqrt();
+  } else {
+    out.turned += estimator.camera_imu().rotation_error();
+    out.sigma_turned.setConstant(estimator.camera_imu().rotation_sigma());
+    out.sigma_moved.setZero();
+  }
 }
 
 /// `previous_ns`: time of the frame before the latest.
@@ -76,9 +102,12 @@ Inspection inspect(const Estimator& estimator, plumbline::TimeNs previous_ns) {
         estimator.imu().accel_full_scale(),
         std::nullopt,
         estimator.rig_state().time_offset_s() - rig.imu.camera_time_offset_s,
-        estimator.camera_imu().rotation_error(),
-        estimator.camera_imu().rotation_sigma(),
-        estimator.camera_imu().doubts_mount()};
+        {},
+        {},
+        {},
+        {},
+        false};
+    inspect_mount(estimator, inertial);
     has_pose = inertial.start.stage == plumbline::InitStage::done;  // before, map and pose are of two worlds
     plumbline::Mat<S, 15, 15> covariance;
     if constexpr (requires { estimator.backend().covariance_of_newest(covariance); }) {  // not of the pose alone

@@ -41,9 +41,9 @@ struct InertialInspection {
   double gyro_full_scale, accel_full_scale;        ///< of the calibration, or as the readings show [rad/s], [m/s^2]
   std::optional<plumbline::Vec<double, 9>> sigma;  ///< of velocity, gyroscope bias, accelerometer bias
   double time_offset_s;                            ///< of the camera's clock, beyond the calibration's
-  plumbline::Vec<double, 3> turned;                ///< the camera seems so, against T_body_camera [rad]
-  double turned_sigma;                             ///< [rad]
-  bool doubts_mount;                               ///< that is too much
+  plumbline::Vec<double, 3> turned, moved;         ///< the camera's mount, against T_body_camera [rad], [m]
+  plumbline::Vec<double, 3> sigma_turned, sigma_moved;
+  bool corrects_mount;  ///< that is in force; else it only seems so
 };
 
 struct Inspection {

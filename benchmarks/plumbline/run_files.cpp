@@ -34,7 +34,10 @@ std::string state_header() {
     for (const char* axis : {"_x", "_y", "_z"}) header += std::string(",") + name + axis;
   for (int i = 0; i < 6; ++i)
     for (int j = i; j < 6; ++j) header += format(",covariance_%d%d", i, j);
-  return header + ",readout_s,time_offset_s,turned_x,turned_y,turned_z\n";
+  header += ",readout_s,time_offset_s";
+  for (const char* name : {"turned", "moved", "sigma_turned", "sigma_moved"})
+    for (const char* axis : {"_x", "_y", "_z"}) header += std::string(",") + name + axis;
+  return header + '\n';
 }
 
 /// Numbers as cells, or empty ones.
@@ -94,8 +97,10 @@ void RunFiles::add_state(pl::TimeNs t_ns, const FrameOutput& output, const Inspe
     for (int j = i; j < 6; ++j) row += has_pose ? format(",%.9g", estimate.covariance(i, j)) : ",";
   row += format(",%.9g", inspection.readout_s);
   row += inspection.inertial ? format(",%.9g", inspection.inertial->time_offset_s) : ",";
-  row += cells(inspection.inertial.has_value(),
-               inspection.inertial ? inspection.inertial->turned : pl::Vec<double, 3>::Zero().eval());
+  for (const auto part : {&InertialInspection::turned, &InertialInspection::moved, &InertialInspection::sigma_turned,
+                          &InertialInspection::sigma_moved})
+    row += cells(inspection.inertial.has_value(),
+                 inspection.inertial ? (*inspection.inertial).*part : pl::Vec<double, 3>::Zero().eval());
   states_->stream() << row << '\n';
 }
 

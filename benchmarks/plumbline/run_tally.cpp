@@ -136,11 +136,16 @@ std::string found_wrong(const pl::io::Calibration& calibration, const Inspection
   if (last.inertial->time_offset_s != 0)
     out += format("calibration: time_offset_s is %.4f, not %.4f; the run corrected it\n",
                   calibration.camera_time_offset_s + last.inertial->time_offset_s, calibration.camera_time_offset_s);
-  const pl::Vec<double, 3> turned = degrees * last.inertial->turned;
-  if (last.inertial->doubts_mount)
-    out += format(
-        "calibration: the camera turns as if it were mounted otherwise, T_body_camera turned by "
-        "[%.1f %.1f %.1f] +- %.1f degrees about the axes of the body; the run did not correct it\n",
-        turned.x(), turned.y(), turned.z(), degrees * last.inertial->turned_sigma);
+  const char* done = last.inertial->corrects_mount ? "the run corrected it" : "the run did not correct it";
+  const auto differs = [&](const char* how, const pl::Vec<double, 3>& found, const pl::Vec<double, 3>& sigma,
+                           double least, double unit, const char* unit_name) {
+    constexpr double doubt = 4;
+    if (!(found.norm() > least) || !((found.array().abs() > doubt * sigma.array()).any())) return;
+    const pl::Vec<double, 3> shown = unit * found;
+    out += format("calibration: T_body_camera is %s by [%.1f %.1f %.1f] +- %.1f %s, in the axes of the body; %s\n", how,
+                  shown.x(), shown.y(), shown.z(), unit * sigma.maxCoeff(), unit_name, done);
+  };
+  differs("turned", last.inertial->turned, last.inertial->sigma_turned, 0.01, degrees, "degrees");
+  differs("moved", last.inertial->moved, last.inertial->sigma_moved, 0.02, 100, "cm");
   return out;
 }

@@ -3,7 +3,7 @@
 // images are replaced by what a camera on the way through a cloud of points and lines would measure.
 //
 // Every noise is that which the backend is told of: pixels, depths, IMU, biases at the start, place and heading of the
-// first keyframe. What comes out wrong is then the backend's own.                       docs/math/inertial_window.md
+// first keyframe, mount of the camera. What comes out wrong is then the backend's own.   docs/math/inertial_window.md
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -56,6 +56,7 @@ struct RunOptions {
 struct FrameError {
   double position = 0, rotation = 0;            ///< [m], [rad]
   double nees_position = 0, nees_rotation = 0;  ///< chi-square of three degrees of freedom each
+  double nees_mount = 0;                        ///< six
 };
 
 /// Segments in the world.
@@ -89,13 +90,15 @@ class BackendRun {
         imu_(quality(options.noise), seed),
         noise_(testing::stream_seed(seed, 20)) {
     window_options_.sigma_first_position = window_options_.sigma_first_rotation = options.noise * options.sigma_first;
+    window_options_.mount.rotation_sigma *= options.noise;
+    window_options_.mount.position_sigma *= options.noise;
     backend_ = std::make_unique<Backend>(window_options_, typename Motion::Options{});
     points_.sigma_px *= options.noise;
     points_.sigma_inverse_depth *= options.noise;
     points_.scatter(options.points, {4.5, 4.5, 3.5}, testing::stream_seed(seed, 21));
     lines_.scatter(options.lines, {4, 4, 3}, testing::stream_seed(seed, 22));
     rig_.vision.camera = points_.camera;
-    rig_.imu.T_body_cam = testing::simulated_T_body_camera();
+    rig_.imu.T_body_cam = calibrated(testing::stream_seed(seed, 23));
     while (reading_.t < first_s) reading_ = imu_.next(trajectory_);
     start();
   }
@@ -109,7 +112,7 @@ class BackendRun {
     const bool keyframe = ++frames_ % options_.frames_per_keyframe == 0;
     const int slot = backend_->insert(t_ns_, x, {keyframe_slot_, since_keyframe_});
     observe(slot, keyframe);
-    backend_->optimize(rig_, rig_.T_body_cam(), *landmarks_, keyframe);
+    backend_->optimize(rig_, T_body_cam(), *landmarks_, keyframe);
     state_ = backend_->window()[slot].state.value();
     locate();
     const FrameError out = error();
@@ -117,7 +120,7 @@ class BackendRun {
       adopt_keyframe(slot);
       if (backend_->window().full()) {
         NoMap<S> map;
-        backend_->retire(rig_, rig_.T_body_cam(), *landmarks_, backend_->window().oldest(), map);
+        backend_->retire(rig_, T_body_cam(), *landmarks_, backend_->window().oldest(), map);
         ++retirements_;
       }
     } else {
@@ -135,7 +138,13 @@ class BackendRun {
       const Mat<double, 3, 3> block = C.template block<3, 3>(i, i).template cast<double>();
       return known ? e.dot(block.inverse() * e) : std::nan("");
     };
-    return {d.tail<3>().norm(), d.head<3>().norm(), nees(3), nees(0)};
+    return {d.tail<3>().norm(), d.head<3>().norm(), nees(3), nees(0), nees_mount()};
+  }
+
+  double nees_mount() const {
+    const Vec<double, 6> d = minus(testing::simulated_T_body_camera(), T_body_cam().template cast<double>());
+    Mat<double, 6, 6> C;
+    return backend_->covariance_of_mount(C) ? d.dot(C.inverse() * d) : std::nan("");
   }
 
   /// Information on the heading and position of the whole, in units of what the first keyframe's prior knew of it: that
@@ -183,7 +192,17 @@ class BackendRun {
     return out;
   }
 
-  SE3<double> T_world_cam() const { return reading_.motion.T_world_body * rig_.imu.T_body_cam; }
+  SE3<double> T_world_cam() const { return reading_.motion.T_world_body * testing::simulated_T_body_camera(); }
+  /// The camera's mount as a calibration has it.
+  SE3<double> calibrated(std::uint64_t seed) const {
+    testing::Gaussian noise(seed);
+    const MountOptions& sigma = window_options_.mount;
+    Vec<double, 6> off;
+    off << sigma.rotation_sigma * noise.vector<3>(), sigma.position_sigma * noise.vector<3>();
+    return plus(testing::simulated_T_body_camera(), off);
+  }
+  /// As the backend knows it, or as it was calibrated.
+  SE3<S> T_body_cam() const { return backend_->window().T_body_cam(rig_.T_body_cam()); }
 
   /// On to the next frame's time.
   void advance() {
@@ -230,10 +249,10 @@ class BackendRun {
       adopt_keyframe(slot);
     }
     const InertialStart<S, DepthStart<S>> start({});
-    backend_->restart([&](int slot) { return states[std::size_t(slot)]; }, start.prior_on_biases());
+    backend_->restart([&](int slot) { return states[std::size_t(slot)]; }, start.prior_on_biases(), T_body_cam());
     LevenbergMarquardtOptions solver = w.solver;
     solver.max_iterations *= 4;
-    backend_->optimize(rig_, rig_.T_body_cam(), *landmarks_, solver);
+    backend_->optimize(rig_, T_body_cam(), *landmarks_, solver);
     state_ = backend_->window()[keyframe_slot_].state.value();
     since_keyframe_ = Preintegration<S>(quality(options_.noise).noise, state_.bias_gyro, state_.bias_accel);
   }
@@ -247,7 +266,7 @@ class BackendRun {
   /// Landmarks that have no depth, by this frame's view of them.
   void locate() {
     const View<Sensors> view{
-        t_ns_, S(0), rig_, *pyramid_, *pyramid_, {}, {}, rig_.T_body_cam(), {rig_.vision.camera, points_.height, S(0)}};
+        t_ns_, S(0), rig_, *pyramid_, *pyramid_, {}, {}, T_body_cam(), {rig_.vision.camera, points_.height, S(0)}};
     front_ends_->locate(view, backend_->window(), *landmarks_, state_.T_world_body);
   }
 

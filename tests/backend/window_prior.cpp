@@ -22,11 +22,11 @@ constexpr int pose_dim = state::Pose::dim;
 
 template <class S, class Layout>
 struct Scene {
-  static constexpr int frame_dim = Layout::dim, dim = slots * frame_dim;
+  static constexpr int frame_dim = Layout::dim, at_mount = slots * frame_dim, mount_dim = state::Extrinsics::dim;
+  static constexpr int dim = at_mount + (has_mount<Layout> ? mount_dim : 0);
   using Window = FrameWindow<S, Layout, slots>;
-  using Step = typename Window::State::Step;
   using Prior = WindowPrior<Window, max_rows, max_columns>;
-  using Equations = NormalEquations<double, frame_dim, slots>;
+  using Equations = NormalEquations<double, frame_dim, slots + (has_mount<Layout> ? 1 : 0)>;
   using Pairs = RelativeEquations<double, pose_dim, slots>;
   using Dense = Eigen::MatrixXd;
   using DenseVector = Eigen::VectorXd;
@@ -41,6 +41,10 @@ struct Scene {
   explicit Scene(std::uint64_t seed) : noise(seed) {
     for (int a = 0; a < slots; ++a) {
       for (int j = 0; j < slots; ++j) pairs.set_transport(a, j, random<double, pose_dim, pose_dim>());
+    }
+    if constexpr (has_mount<Layout>) {
+      window.estimate_mount(
+          SE3<S>(SO3<S>::exp(noise.vector<3>().template cast<S>()), noise.vector<3>().template cast<S>()));
     }
   }
 
@@ -59,17 +63,16 @@ struct Scene {
     window.insert(t_ns, x);
   }
   /// Moves every frame.
-  void move(double size) {
-    for (int k = 0; k < slots; ++k) {
-      if (window[k].used) window.state(k).add(Step(S(size) * noise.vector<frame_dim>().template cast<S>()));
-    }
-  }
+  void move(double size) { window.move(Vec<double, dim>(size * noise.vector<dim>())); }
   DenseVector corrections() const {
     DenseVector e = DenseVector::Zero(dim);
     for (int k = 0; k < slots; ++k) {
       if (window[k].used) {
         e.segment<frame_dim>(k * frame_dim) = window[k].state.correction().template cast<double>();
       }
+    }
+    if constexpr (has_mount<Layout>) {
+      e.segment<mount_dim>(at_mount) = window.mount().correction().template cast<double>();
     }
     return e;
   }
@@ -124,6 +127,11 @@ struct Scene {
       r.conservativeResize(n + 3);
       r.tail<3>() = r_k.template cast<double>();
     }
+    if constexpr (has_mount<Layout>) {
+      Dense together = Dense::Zero(J.rows(), pose_dim);
+      for (int k = 0; k < slots; ++k) together += J.middleCols<pose_dim>(k * frame_dim);
+      J.middleCols<mount_dim>(at_mount) = together * window.mount().first_estimate().template cast<double>().adjoint();
+    }
     prior.add_landmark(landmark, pairs);
     const Dense Q = orthogonal_to(J_l);
     append(Q * J, Q * (r - J * corrections()));
@@ -146,10 +154,10 @@ struct Scene {
   /// The prior and the dense rows are the same function of the corrections, up to a constant.
   void require_same() {
     Equations equations;
-    prior.begin(window, equations);
+    equations.reset(Equations::max_blocks);
+    prior.add_to(window, equations);
     const Dense H = A.transpose() * A;
     const DenseVector g = A.transpose() * (A * corrections() + b);
-    REQUIRE(equations.blocks() == slots);
     double error = 0;
     for (int c = 0; c < dim; ++c) {
       for (int r = c; r < dim; ++r) error = std::max(error, std::abs(equations.H()(r, c) - H(r, c)));

@@ -18,6 +18,7 @@
 #include "plumbline/io/recording.hpp"
 #include "plumbline/io/trajectory_alignment.hpp"
 #include "plumbline/io/trajectory_error.hpp"
+#include "plumbline/lie/plus.hpp"
 #include "plumbline/opencv/image_file.hpp"
 #include "plumbline/opencv/mat_view.hpp"
 #include "plumbline/sensor/imu.hpp"
@@ -285,6 +286,20 @@ TEST_CASE("inertial_estimator: a camera mounted otherwise than said is not belie
   CAPTURE(name_of(run.init.stage), name_of(run.init.alignment), run.init.gyro_residual, run.init.gravity_norm);
   REQUIRE(run.init.stage != InitStage::done);
   REQUIRE(run.part(HealthState::tracking, 0, 8) == 0);
+}
+
+TEST_CASE("inertial_estimator: a camera mounted degrees and decimetres otherwise than said is found") {
+  if (no_data()) return;
+  const bool wrong = GENERATE(false, true);
+  Trouble trouble;
+  if (wrong) trouble.T_cam_wrong = SE3<double>(SO3<double>::exp({0.03, -0.02, 0.03}), {-0.15, 0.1, 0.1});
+  const Flight run(trouble);
+  const Vec<double, 6> off = minus(run.estimates.back().T_body_cam, *run.recording.calibration().T_body_camera);
+  CAPTURE(wrong, off.transpose(), run.ate(0, 14));
+  REQUIRE(off.head<3>().norm() < 6e-3);
+  REQUIRE(off.tail<3>().norm() < 0.03);
+  REQUIRE(run.part(HealthState::tracking, 8, 14) > 0.9);
+  REQUIRE(run.ate(0, 14) < 0.10);
 }
 
 TEST_CASE("inertial_estimator: a camera clock that is 15 ms off is corrected") {

@@ -120,7 +120,7 @@ TEST_CASE("normal_equations: covariance blocks are those of the inverse") {
   }
 }
 
-TEST_CASE("normal_equations: starts from what is known, and takes whole blocks") {
+TEST_CASE("normal_equations: takes what is known otherwise, and whole blocks") {
   Random random(6);
   System<double> system(7);
   const Eigen::MatrixXd J = random_matrix(random, dim, dim), known = J.transpose() * J;
@@ -130,7 +130,8 @@ TEST_CASE("normal_equations: starts from what is known, and takes whole blocks")
   const Mat<double, 2, 2> C = random_matrix<double, 2, 2>(random);
   const Vec<double, 3> g = random_matrix<double, 3, 1>(random);
   const std::array<Vec<double, 2>, 1> a{random_matrix<double, 2, 1>(random)}, b{random_matrix<double, 2, 1>(random)};
-  system.normal->reset(blocks, lower);
+  system.normal->reset(blocks);
+  system.normal->add(lower);
   system.normal->add_block(3, 1, B);
   system.normal->add_block(4, 2, C);
   system.normal->subtract_product(4, a, 0, b);

@@ -100,3 +100,29 @@ TEST_CASE("frame_window: the latest frame is one of the window, or stands alone"
   window.clear();
   REQUIRE(window.latest().T_world_body.p().x() == 2);
 }
+
+TEST_CASE("frame_window: a step moves every frame that is there, and the mount while that is estimated") {
+  FrameWindow<double, InertialLayout, 3> window;
+  for (int k = 0; k < 3; ++k) window.insert(k, {pose(k)});
+  window.remove(1);
+  Vec<double, 3 * 15 + 6> step;
+  for (int k = 0; k < step.size(); ++k) step[k] = 0.01 * (k + 1);
+  const SE3<double> given = pose(4);
+  window.move(step);
+  for (const int k : {0, 2}) {
+    CHECK(minus(window.T_world_body(k), plus(pose(k), Vec<double, 6>(step.segment<6>(15 * k)))).norm() < 1e-12);
+    CHECK((window[k].state.value().bias_accel - step.segment<3>(15 * k + 12)).norm() < 1e-15);
+  }
+  CHECK_FALSE(window.estimates_mount());
+  CHECK(minus(window.T_body_cam(given), given).norm() == 0);
+
+  window.estimate_mount(pose(5));
+  CHECK(minus(window.T_body_cam(given), pose(5)).norm() == 0);
+  window.move(step);
+  const Vec<double, 6> e = step.tail<6>();
+  CHECK(minus(window.T_body_cam(given), plus(pose(5), e)).norm() < 1e-12);
+  CHECK((window.mount().correction() - e).norm() == 0);
+  CHECK(minus(window.mount().first_estimate(), pose(5)).norm() == 0);
+  window.clear();
+  CHECK(minus(window.T_body_cam(given), given).norm() == 0);
+}

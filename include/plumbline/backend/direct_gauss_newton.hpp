@@ -49,8 +49,8 @@ class DirectBackend {
     return slot;
   }
   template <int Rows>
-  void restart(auto&& state_of, const Mat<double, Rows, Layout::dim>& J_rest) {
-    bundle_.restart(state_of, J_rest);
+  void restart(auto&& state_of, const Mat<double, Rows, Layout::dim>& J_rest, const SE3<S>& T_body_cam) {
+    bundle_.restart(state_of, J_rest, T_body_cam);
   }
   void hold_distance(int i, int j, double sigma) { bundle_.hold_distance(i, j, sigma); }
   void hold_scale(int i, int j) { bundle_.hold_scale(i, j); }
@@ -82,6 +82,9 @@ class DirectBackend {
   bool covariance_of_newest(Mat<S, state::Pose::dim, state::Pose::dim>& covariance) const {
     if (!alone_) return bundle_.covariance_of_newest(covariance);
     return frame_.covariance(window(), window().newest(), covariance);
+  }
+  bool covariance_of_mount(Mat<double, 6, 6>& covariance) const requires has_mount<Layout> {
+    return bundle_.covariance_of_mount(covariance);
   }
 
  private:

@@ -12,6 +12,7 @@
 #include <type_traits>
 
 #include "plumbline/backend/backend.hpp"
+#include "plumbline/backend/mount_prior.hpp"
 #include "plumbline/backend/window_equations.hpp"
 #include "plumbline/backend/window_prior.hpp"
 #include "plumbline/core/matrix.hpp"
@@ -32,6 +33,7 @@ struct WindowOptions {
   double sigma_first_rotation = 1e-3;  ///< prior on the first pose, which is the world's origin [rad]
   double sigma_first_position = 1e-3;  ///< [m]
   double sigma_first_scale = 1e-3;     ///< of the distance of the first two keyframes where it is the unit, relative
+  MountOptions mount;                  ///< of the camera on a body with an IMU
 };
 
 template <MotionModel Motion, class LandmarksT, int K>
@@ -66,14 +68,16 @@ class WindowBackend {
     }
     set_prior(slot, J);
     equations_.order(window_);
-    equations_.begin(window_, prior_, links_);  // so that a covariance is defined before the first optimization
+    equations_.begin();  // so that a covariance is defined before the first optimization
+    equations_.add_known(window_, prior_, links_);
     return slot;
   }
 
   /// The same frames as if they had just begun, frame k with the state `state_of(k)`: no prior but the position and
-  /// heading of the oldest one and `J_rest`, rows on the rest of its state. From now on their links take part.
+  /// heading of the oldest one and `J_rest`, rows on the rest of its state. From now on their links take part, and where
+  /// the camera sits is estimated.
   template <int Rows>
-  void restart(auto&& state_of, const Mat<double, Rows, Layout::dim>& J_rest) {
+  void restart(auto&& state_of, const Mat<double, Rows, Layout::dim>& J_rest, const SE3<S>& T_body_cam) {
     for (int k = 0; k < K; ++k) {
       if (window_[k].used) window_.state(k) = typename Window::State(state_of(k));
     }
@@ -93,24 +97,11 @@ class WindowBackend {
       for (int c = 0; c < Layout::dim; ++c) J(place_rows + k, c) = J_rest(k, c);
     }
     set_prior(oldest, J);
+    window_.estimate_mount(T_body_cam);
   }
 
   /// The distance between two frames is what it is, with a sigma [m].
-  ///   d|p_j - p_i| = u^T (R_j dp_j - R_i dp_i),  u its direction
-  void hold_distance(int i, int j, double sigma) {
-    const SE3<S>&T_i = window_.T_world_body(i), &T_j = window_.T_world_body(j);
-    const Vec<S, 3> u = (T_j.p() - T_i.p()).normalized();
-    const Vec<S, 3> u_i = T_i.rotation().inverse() * u, u_j = T_j.rotation().inverse() * u;
-    Mat<double, 1, Layout::dim> J_i, J_j;
-    J_i.setZero();
-    J_j.setZero();
-    constexpr int position = 3;  // of the pose's increment
-    for (int k = 0; k < 3; ++k) {
-      J_i(0, position + k) = -double(u_i[k]) / sigma;
-      J_j(0, position + k) = double(u_j[k]) / sigma;
-    }
-    prior_.add(window_, i, J_i, j, J_j);
-  }
+  void hold_distance(int i, int j, double sigma) { prior_.add_distance(window_, i, j, sigma); }
   /// From now on the distance between two frames defines the unit of length: without depth or an IMU nothing else does.
   void hold_scale(int i, int j) {
     const double distance = double((window_.T_world_body(j).p() - window_.T_world_body(i).p()).norm());
@@ -180,6 +171,10 @@ class WindowBackend {
   bool covariance_of_newest(Mat<S, Dim, Dim>& covariance) const {
     return equations_.covariance(window_.newest(), covariance);
   }
+  /// Of where the camera sits, right increments; false when it is not estimated.
+  bool covariance_of_mount(Mat<double, 6, 6>& covariance) const requires has_mount<Layout> {
+    return window_.estimates_mount() && equations_.covariance(equations_.mount, covariance);
+  }
 
  private:
   template <class Store>
@@ -215,14 +210,17 @@ class WindowBackend {
 
     /// The equations of the frames alone.
     bool eliminate(double mu) {
-      self.equations_.begin(self.window_, self.prior_, self.links_);
+      self.equations_.begin();
       self.equations_.pairs.add_to(self.equations_.normal);
       bool eliminated = true;
       landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
         eliminated = eliminated && terms.eliminate(store, S(mu), self.equations_.pairs, self.equations_.normal);
       });
-      if (eliminated) self.ties_.eliminate(landmarks, self.terms_, self.equations_.pairs, self.equations_.normal);
-      return eliminated;
+      if (!eliminated) return false;
+      self.ties_.eliminate(landmarks, self.terms_, self.equations_.pairs, self.equations_.normal);
+      if constexpr (has_mount<Layout>) self.equations_.add_mount(self.window_, MountPrior(self.options_.mount));
+      self.equations_.add_known(self.window_, self.prior_, self.links_);
+      return true;
     }
 
     bool solve(double mu, double& predicted_decrease) {
@@ -237,12 +235,7 @@ class WindowBackend {
 
     double try_step() {
       self.backup_ = self.window_;
-      for (int k = 0; k < K; ++k) {
-        if (!self.window_[k].used) continue;
-        typename Window::State::Step d;
-        for (int c = 0; c < Layout::dim; ++c) d[c] = S(self.equations_.step[k * Layout::dim + c]);
-        self.window_.state(k).add(d);
-      }
+      self.window_.move(self.equations_.step);
       landmarks.for_each_with(self.terms_, [](auto& store, auto& terms) { terms.step(store); });
       self.views_.update(self.window_, T_body_cam);
       double cost = self.cost_of_frames();
@@ -258,7 +251,14 @@ class WindowBackend {
     }
   };
 
-  double cost_of_frames() const { return prior_.cost(window_) + links_.cost(window_); }
+  double cost_of_frames() const {
+    double cost = prior_.cost(window_) + links_.cost(window_);
+    if constexpr (has_mount<Layout>) {
+      if (window_.estimates_mount())
+        cost += MountPrior(options_.mount).cost(window_.mount().correction().template cast<double>());
+    }
+    return cost;
+  }
 
   void linearize_views(const SE3<S>& T_body_cam) {
     views_.update(window_, T_body_cam);

@@ -1,10 +1,16 @@
 #pragma once
 /// The normal equations of a window's frames, landmarks eliminated.                             docs/math/window.md
+///
+/// What is seen depends on where the camera is, T_k T_body_cam: with E = Ad(T_body_cam) a step e of the mount moves it as
+/// the step E e of all bodies together would, so that rows J_k of the poses have J_e = (sum_k J_k) E, and
+///   H_ek = E^T sum_j H_jk,   H_ee = E^T (sum_jk H_jk) E,   b_e = E^T sum_k b_k                                 (6)
+/// of what is seen, before anything else is added. A landmark costs nothing more.
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 
+#include "plumbline/backend/mount_prior.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/solver/normal_equations.hpp"
 #include "plumbline/solver/relative_equations.hpp"
@@ -15,8 +21,9 @@ namespace plumbline {
 template <class Window>
 struct WindowEquations {
   using Layout = typename Window::Layout;
-  static constexpr int slots = Window::slots;
-  using Normal = NormalEquations<double, Layout::dim, slots>;
+  static constexpr int slots = Window::slots, mount = slots;  ///< the mount is the block after those of the frames
+  using Normal = NormalEquations<double, Layout::dim, slots + (has_mount<Layout> ? 1 : 0)>;
+  using Pose = Mat<double, state::Pose::dim, state::Pose::dim>;
 
   Normal normal;
   RelativeEquations<double, state::Pose::dim, slots> pairs;  ///< of what is seen: features see poses alone
@@ -31,26 +38,53 @@ struct WindowEquations {
     std::sort(by_age.begin(), by_age.end(), [&](int a, int b) { return age(a) < age(b); });
     typename Normal::Order order;
     int n = 0;
+    for (int c = state::Extrinsics::dim; has_mount<Layout> && c < Layout::dim; ++c) order[n++] = at(mount, c);
     for (int k = slots - 1; k >= 0; --k) {
-      for (int c = state::Pose::dim; c < Layout::dim; ++c) order[n++] = std::int16_t(by_age[k] * Layout::dim + c);
+      for (int c = state::Pose::dim; c < Layout::dim; ++c) order[n++] = at(by_age[k], c);
     }
+    for (int c = 0; has_mount<Layout> && c < state::Extrinsics::dim; ++c) order[n++] = at(mount, c);
     for (const int slot : by_age) {
-      for (int c = 0; c < state::Pose::dim; ++c) order[n++] = std::int16_t(slot * Layout::dim + c);
+      for (int c = 0; c < state::Pose::dim; ++c) order[n++] = at(slot, c);
     }
     normal.set_order(order);
   }
 
-  /// The prior, the rows of the links, and an identity for every parameter that nothing speaks of.
-  void begin(const Window& window, const auto& prior, const auto& links) {
-    prior.begin(window, normal);
+  void begin() { normal.reset(Normal::max_blocks); }
+
+  /// (6), of what was added so far, E at the mount's first estimate; and the prior of the mount.
+  void add_mount(const Window& window, const MountPrior& prior) {
+    if (!window.estimates_mount()) return;
+    const Pose E = window.mount().first_estimate().template cast<double>().adjoint();
+    Pose of_all = Pose::Zero();
     for (int k = 0; k < slots; ++k) {
-      const int first = !window[k].used ? 0 : links.active() ? Layout::dim : state::Pose::dim;
-      if (first == Layout::dim) continue;
-      Mat<double, Layout::dim, Layout::dim> H;
-      H.setZero();
-      for (int c = first; c < Layout::dim; ++c) H(c, c) = 1;
-      normal.add_block(k, k, H);
+      Pose of_frame = Pose::Zero();
+      for (int j = 0; j < slots; ++j) {
+        for (int c = 0; c < state::Pose::dim; ++c) {
+          for (int r = 0; r < state::Pose::dim; ++r) {
+            const int row = at(j, r), column = at(k, c);
+            of_frame(r, c) += row > column ? normal.H()(row, column) : normal.H()(column, row);
+          }
+        }
+      }
+      normal.add_block(mount, k, Pose(E.transpose() * of_frame));
+      of_all += of_frame;
     }
+    normal.add_block(mount, mount, Pose(E.transpose() * of_all * E));
+    Vec<double, state::Pose::dim> b = Vec<double, state::Pose::dim>::Zero();
+    for (int k = 0; k < slots; ++k) {
+      for (int c = 0; c < state::Pose::dim; ++c) b[c] += normal.b()[at(k, c)];
+    }
+    normal.add_gradient(mount, Vec<double, state::Pose::dim>(E.transpose() * b));
+    prior.add_to(window.mount().correction().template cast<double>(), mount, normal);
+  }
+
+  /// The prior, the rows of the links, and an identity for every parameter that nothing speaks of.
+  void add_known(const Window& window, const auto& prior, const auto& links) {
+    prior.add_to(window, normal);
+    for (int k = 0; k < slots; ++k) {
+      hold(k, !window[k].used ? 0 : links.active() ? Layout::dim : state::Pose::dim);
+    }
+    if constexpr (has_mount<Layout>) hold(mount, window.estimates_mount() ? state::Extrinsics::dim : 0);
     links.for_each_row(window, -1, [&](int i, const auto& J_i, int j, const auto& J_j, const auto& r) {
       normal.add(i, J_i, j, J_j, r, 1.0);
     });
@@ -66,6 +100,18 @@ struct WindowEquations {
       for (int r = 0; r < Dim; ++r) out(r, c) = S(block(r, c));
     }
     return true;
+  }
+
+ private:
+  static std::int16_t at(int block, int c) { return std::int16_t(block * Layout::dim + c); }
+
+  /// An identity for the parameters of a block from `first` on.
+  void hold(int block, int first) {
+    if (first == Layout::dim) return;
+    Mat<double, Layout::dim, Layout::dim> H;
+    H.setZero();
+    for (int c = first; c < Layout::dim; ++c) H(c, c) = 1;
+    normal.add_block(block, block, H);
   }
 };
 

@@ -1,10 +1,11 @@
 #pragma once
-/// What is known of the frames of a window besides their rows: r0 + J0 e, e the corrections of all of them, by slot.
-///                                                                                            docs/math/window.md
+/// What is known of the frames of a window besides their rows: r0 + J0 e, e the corrections of all of them, by slot,
+/// and that of the camera's mount.                                                            docs/math/window.md
 /// The prior keeps columns for every slot; those of free slots, and of frames that it knows nothing of, are zero.
 
 #include "plumbline/core/assert.hpp"
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/core/present.hpp"
 #include "plumbline/feature/window_views.hpp"
 #include "plumbline/solver/marginalization.hpp"
 #include "plumbline/solver/normal_equations.hpp"
@@ -16,8 +17,11 @@ namespace plumbline {
 template <class Window, int max_rows, int max_columns>
 class WindowPrior {
  public:
-  static constexpr int frame_dim = Window::Layout::dim, dim = Window::slots * frame_dim;
+  static constexpr int frame_dim = Window::Layout::dim, mount_dim = state::Extrinsics::dim;
+  static constexpr int at_mount = Window::slots * frame_dim;  ///< its first column
+  static constexpr int dim = at_mount + (has_mount<typename Window::Layout> ? mount_dim : 0);
   using Vector = Vec<double, dim>;
+  using Adjoint = Mat<double, mount_dim, mount_dim>;
 
   WindowPrior() { H_.resize(dim, dim); }
 
@@ -59,12 +63,29 @@ class WindowPrior {
     prior_.information(H_);
   }
 
+  /// The distance between two frames is what it is, with a sigma [m].
+  ///   d|p_j - p_i| = u^T (R_j dp_j - R_i dp_i),  u its direction
+  void add_distance(Window& window, int i, int j, double sigma) {
+    using S = typename Window::Scalar;
+    const SE3<S>&T_i = window.T_world_body(i), &T_j = window.T_world_body(j);
+    const Vec<S, 3> u = (T_j.p() - T_i.p()).normalized();
+    const Vec<S, 3> u_i = T_i.rotation().inverse() * u, u_j = T_j.rotation().inverse() * u;
+    Mat<double, 1, frame_dim> J_i, J_j;
+    J_i.setZero();
+    J_j.setZero();
+    constexpr int position = 3;  // of the pose's increment
+    for (int k = 0; k < 3; ++k) {
+      J_i(0, position + k) = -double(u_i[k]) / sigma;
+      J_j(0, position + k) = double(u_j[k]) / sigma;
+    }
+    add(window, i, J_i, j, J_j);
+  }
+
   double cost(const Window& window) const { return prior_.residual(corrections(window)).squaredNorm() / 2; }
 
-  /// The normal equations of the prior alone, of all slots.
   template <class Equations>
-  void begin(const Window& window, Equations& equations) const {
-    equations.reset(Window::slots, H_);
+  void add_to(const Window& window, Equations& equations) const {
+    equations.add(H_);
     equations.add_gradient(prior_.gradient(prior_.residual(corrections(window))));
   }
 
@@ -74,6 +95,10 @@ class WindowPrior {
     marginalizer_.reset(dim);
     marginalizer_.add_rows(prior_.J0, prior_.r0);
     e_ = corrections(window);
+    if constexpr (has_mount<typename Window::Layout>) {
+      E_.set(window.estimates_mount() ? window.mount().first_estimate().template cast<double>().adjoint()
+                                      : Adjoint(Adjoint::Zero()));
+    }
   }
 
   /// Rows of a link between two frames, at the current state.
@@ -99,6 +124,7 @@ class WindowPrior {
     work_.resize(rows, columns + dim + 1);
     const int rank = landmark.reduced_rows(work_, pairs, frame_dim);
     if (rows <= rank) return;
+    if constexpr (has_mount<typename Window::Layout>) move_with_mount(columns, rank);
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_rows, 1> r(rows - rank);
     for (int k = rank; k < rows; ++k) r[k - rank] = work_(k, columns + dim);
     for (int c = 0; c < dim; ++c) {  // the prior's residual belongs to e = 0
@@ -122,6 +148,20 @@ class WindowPrior {
   }
 
  private:
+  /// The rows in `work_` from `first` on by the mount, (6) of WindowEquations.
+  void move_with_mount(int columns, int first) {
+    const Adjoint& E = E_.get();
+    for (int k = first; k < int(work_.rows()); ++k) {
+      Vec<double, mount_dim> together = Vec<double, mount_dim>::Zero();
+      for (int slot = 0; slot < Window::slots; ++slot) {
+        for (int c = 0; c < mount_dim; ++c) together[c] += work_(k, columns + slot * frame_dim + c);
+      }
+      for (int c = 0; c < mount_dim; ++c) {
+        for (int i = 0; i < mount_dim; ++i) work_(k, columns + at_mount + c) += together[i] * E(i, c);
+      }
+    }
+  }
+
   static Vector corrections(const Window& window) {
     Vector e;
     e.setZero();
@@ -130,6 +170,10 @@ class WindowPrior {
       const auto correction = window[k].state.correction();
       for (int c = 0; c < frame_dim; ++c) e[k * frame_dim + c] = double(correction[c]);
     }
+    if constexpr (has_mount<typename Window::Layout>) {
+      for (int c = 0; window.estimates_mount() && c < mount_dim; ++c)
+        e[at_mount + c] = double(window.mount().correction()[c]);
+    }
     return e;
   }
 
@@ -137,6 +181,7 @@ class WindowPrior {
   BoundedMatrix<double, dim, dim> H_;  ///< J0^T J0, which does not change until the next frame leaves
   Marginalizer<dim, 64> marginalizer_;
   Vector e_;
+  [[no_unique_address]] Present<Adjoint, has_mount<typename Window::Layout>> E_;  ///< of what leaves
   BoundedMatrix<double, max_rows, max_columns + dim + 1> work_;
 };
 

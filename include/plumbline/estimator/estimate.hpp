@@ -14,6 +14,7 @@ template <class S>
 struct Estimate {
   TimeNs t_ns = 0;                                     ///< of the image, as it was given
   double time_offset_s = 0;                            ///< rigs with an IMU: it was taken so much later on its clock
+  SE3<S> T_body_cam;                                   ///< where the camera sits, as far as it was found out
   SE3<S> T_world_body;                                 ///< body = camera where there is no IMU
   Mat<S, 6, 6> covariance = Mat<S, 6, 6>::Identity();  ///< of [dphi, dp], right increments [rad, m]
   Vec<S, 3> v_world_body = Vec<S, 3>::Zero();          ///< rigs with an IMU [m/s]

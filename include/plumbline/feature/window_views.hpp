@@ -18,8 +18,9 @@ namespace plumbline {
 template <class S, int Slots>
 class WindowViews {
  public:
-  /// At the current poses.
-  void update(const auto& window, const SE3<S>& T_body_cam) {
+  /// At the current poses, and the camera's place on the body as the window has it, or as given.
+  void update(const auto& window, const SE3<S>& given) {
+    const SE3<S>& T_body_cam = window.T_body_cam(given);
     for_each_pair(window, [&](int anchor, int target) {
       at(anchor, target) = RelativeView<S>(window.T_world_body(anchor), window.T_world_body(target), T_body_cam);
     });

@@ -48,7 +48,7 @@ class ConstantVelocity {
 
   ConstantVelocity(const Sensors&, const Options& options) : options_(options) {}
 
-  static constexpr double calibrate(auto& /*rig*/) { return 0; }
+  static constexpr double calibrate(auto& /*rig*/, const auto& /*window*/) { return 0; }
   void begin_frame(TimeNs, const State* /*latest*/, S /*dt*/) {}
   const SE3<S>& T_body_cam(const SE3<S>& extrinsics) const { return extrinsics; }
 

@@ -68,7 +68,13 @@ class Inertial {
   const ImuIntake<S>& imu() const { return imu_; }
 
   /// What was found out about camera and IMU is in force from the next frame on. Returns the camera's time offset [s].
-  double calibrate(auto& rig) {
+  double calibrate(auto& rig, const auto& window) {
+    if (is_metric_) {
+      const SE3<S> T_body_cam = window.T_body_cam(rig.T_body_cam());
+      const SO3<S> turned = T_body_cam.rotation() * rig.T_body_cam().rotation().inverse();
+      camera_imu_.turn_mount(turned.log().template cast<double>());
+      rig.set_T_body_cam(T_body_cam);
+    }
     rig.set_time_offset(rig.time_offset_s() + camera_imu_.take_time_offset());
     imu_.set_camera_time_offset(rig.time_offset_s());
     return rig.time_offset_s();

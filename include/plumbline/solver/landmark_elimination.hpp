@@ -119,8 +119,8 @@ class LandmarkElimination {
   }
 
   /// The part -A^T A, -A^T c of (11), after a successful eliminate.
-  template <int NormalDim>
-  void subtract_from(NormalEquations<Acc, NormalDim, MaxBlocks>& normal) const {
+  template <int NormalDim, int NormalBlocks>
+  void subtract_from(NormalEquations<Acc, NormalDim, NormalBlocks>& normal) const {
     static_assert(BlockDim <= NormalDim,
                   "plumbline: a pose of the landmark does not fit a block of the normal equations");
     for (int i = 0; i < MaxBlocks; ++i) {

@@ -42,16 +42,12 @@ class NormalEquations {
 
   /// Zero, for `blocks` active blocks.
   void reset(int blocks) {
-    start(blocks);
+    PLUMBLINE_ASSERT(blocks >= 0 && blocks <= MaxBlocks);
+    blocks_ = blocks;
+    H_.resize(dim(), dim());
     std::fill_n(H_.data(), dim() * dim(), S(0));
-  }
-  /// H starts as what is known already (dim x dim, its lower triangle is read), b as zero.
-  template <class DH>
-  void reset(int blocks, const Eigen::MatrixBase<DH>& H) {
-    start(blocks);
-    for (int j = 0; j < dim(); ++j) {
-      for (int i = j; i < dim(); ++i) H_(i, j) = H(i, j);
-    }
+    b_.setZero(dim());
+    sum_rho_ = S(0);
   }
   /// The parameters in the order in which they are eliminated, the first dim() of them.
   void set_order(const Order& order) { order_ = order; }
@@ -89,6 +85,15 @@ class NormalEquations {
     add_gradient<R, D>(j, b, e.data, stride, weight);
   }
 
+  /// H += what is known otherwise of the leading parameters; its lower triangle is read.
+  template <class DH>
+  void add(const Eigen::MatrixBase<DH>& H) {
+    PLUMBLINE_ASSERT(H.rows() == H.cols() && H.cols() <= dim());
+    for (int j = 0; j < int(H.cols()); ++j) {
+      for (int i = j; i < int(H.cols()); ++i) H_(i, j) += H(i, j);
+    }
+  }
+
   /// H_ij += B, i >= j.
   template <class D>
   void add_block(int i, int j, const Eigen::MatrixBase<D>& B) {
@@ -103,10 +108,11 @@ class NormalEquations {
   void add_gradient(int i, const Vec<S, C>& g) {
     for (int c = 0; c < C; ++c) b_[i * BlockDim + c] += g[c];
   }
-  /// b += g.
+  /// b += g, of the leading parameters.
   template <class D>
   void add_gradient(const Eigen::MatrixBase<D>& g) {
-    for (int k = 0; k < dim(); ++k) b_[k] += g[k];
+    PLUMBLINE_ASSERT(g.size() <= dim());
+    for (int k = 0; k < int(g.size()); ++k) b_[k] += g[k];
   }
 
   /// H_ij -= sum_k a_k b_k^T, i >= j, for few rows.
@@ -179,14 +185,6 @@ class NormalEquations {
       }
     }
   };
-
-  void start(int blocks) {
-    PLUMBLINE_ASSERT(blocks >= 0 && blocks <= MaxBlocks);
-    blocks_ = blocks;
-    H_.resize(dim(), dim());
-    b_.setZero(dim());
-    sum_rho_ = S(0);
-  }
 
   /// The lower triangle of H from block (i, j) on, its columns dim() apart.
   S* block_at(int i, int j) {

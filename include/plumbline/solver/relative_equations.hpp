@@ -53,8 +53,8 @@ class RelativeEquations {
   }
 
   /// (9c)
-  template <int NormalDim>
-  void add_to(NormalEquations<S, NormalDim, MaxBlocks>& normal) const {
+  template <int NormalDim, int NormalBlocks>
+  void add_to(NormalEquations<S, NormalDim, NormalBlocks>& normal) const {
     for (int a = 0; a < MaxBlocks; ++a) {
       for (int j = 0; j < MaxBlocks; ++j) {
         const std::size_t k = index(a, j);

@@ -7,7 +7,8 @@
 ///   R_v = Exp(c) R_g Exp(phi + w d),   c+ = c + R_g J_R_g b                                                      (1)
 ///   e = Log(R_g^T R_v) = R_g^T c + phi + w d + noise,   its variance with (|w'| d^2/2)^2: w changes meanwhile    (2)
 /// A Kalman filter over [c b phi d]. c and b are taken over at every step; d waits until it is beyond doubt, so that a
-/// clock that is right stays as it is; phi is only told: to act on it, it would have to be known better.
+/// clock that is right stays as it is; phi is only told: once frames and readings are solved for together, the window
+/// finds the mount (backend/mount_prior.hpp).
 
 #include <algorithm>
 #include <cmath>
@@ -25,8 +26,6 @@ struct CameraImuOptions {
   double max_doubt_s = 0.01;          ///< if that sigma is less,
   double min_error_s = 1e-3;          ///< and if it is by more
   double trust = 1;                   ///< one that was found to be wrong is corrected beyond so many
-  double rotation_doubt = 4;          ///< the mount is wrong beyond so many sigma
-  double min_rotation = 0.01;         ///< and if it is by more [rad]
   double max_step_s = 0.01;           ///< of the clock, in one frame
   double max_correction_s = 0.15;     ///< of the clock, in all
   double step_error = 0.2;            ///< part of a correction of the clock that remains in doubt
@@ -60,11 +59,6 @@ class CameraImuFilter {
   double rotation_sigma() const {
     return std::sqrt(std::max({P_(mount, mount), P_(mount + 1, mount + 1), P_(mount + 2, mount + 2)}));
   }
-  /// Whether the mount is wrong beyond doubt; not after the clock was, which looks alike.
-  bool doubts_mount() const {
-    return !clock_is_wrong_ &&
-           phi_.norm() > std::max(options_.min_rotation, options_.rotation_doubt * rotation_sigma());
-  }
   /// Whether nothing speaks against the clock so far, or it is known that well.
   bool believes_clock(double sigma_s) const {
     constexpr double unremarkable = 1;
@@ -78,6 +72,9 @@ class CameraImuFilter {
     phi_.setZero();
     forget(mount, options_.rotation_sigma);
   }
+
+  /// From now on R_body_cam is believed to be Exp(d) what it was.
+  void turn_mount(const Vec3& d) { phi_ -= d; }
 
   /// The readings since the frame before.                                                                        (1)
   template <class S>

@@ -1,6 +1,6 @@
 #pragma once
-/// The one owner of poses: the frames that are estimated, each in a slot that it keeps while it lives, and the latest
-/// frame, which is one of them or stands alone.                                              docs/math/window.md
+/// The one owner of poses: the frames that are estimated, each in a slot that it keeps while it lives, the latest frame,
+/// which is one of them or stands alone, and the camera's on the body.                                                           docs/math/window.md
 ///
 /// A new pose gets the linearization point that stands to that of the newest frame as it stands to the newest frame
 /// itself,
@@ -9,9 +9,11 @@
 
 #include <array>
 #include <cstdint>
+#include <type_traits>
 
 #include "plumbline/core/assert.hpp"
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/core/present.hpp"
 #include "plumbline/core/time.hpp"
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/state/frame_state.hpp"
@@ -25,6 +27,7 @@ class FrameWindow {
   using Layout = LayoutT;
   using Value = FrameValue<S, Layout>;
   using State = FrameState<S, Layout>;
+  using Mount = Estimated<state::Extrinsics, S>;
   static constexpr int slots = Slots;
 
   struct Frame {
@@ -90,6 +93,42 @@ class FrameWindow {
     set_latest(latest());
     for (Frame& frame : frames_) frame.used = false;
     size_ = 0;
+    estimates_mount_.set(false);
+  }
+
+  /// Where the camera sits on the body is estimated as well, from now on until `clear`.
+  void estimate_mount(const SE3<S>& T_body_cam) {
+    Mount mount(T_body_cam);
+    mount.fix_first_estimate();
+    mount_.set(mount);
+    estimates_mount_.set(true);
+  }
+  bool estimates_mount() const { return estimates_mount_.get(); }
+  const Mount& mount() const requires has_mount<Layout> { return mount_.get(); }
+  /// As it was found, or else as it is given.
+  const SE3<S>& T_body_cam(const SE3<S>& given) const {
+    if constexpr (has_mount<Layout>) {
+      if (estimates_mount()) return mount().value();
+    }
+    return given;
+  }
+
+  /// Moves all frames by their steps, one after the other in `step`, and the mount by what comes after them.
+  void move(const auto& step) {
+    int at = 0;
+    const auto take = [&](auto& estimated, int block_at) {
+      typename std::remove_reference_t<decltype(estimated)>::Step d;
+      for (int c = 0; c < int(d.size()); ++c) d[c] = S(step[block_at + c]);
+      estimated.add(d);
+    };
+    for (Frame& frame : frames_) {
+      if (frame.used) take(frame.state, at);
+      at += Layout::dim;
+    }
+    if (!estimates_mount()) return;
+    Mount mount = mount_.get();
+    take(mount, at);
+    mount_.set(mount);
   }
 
   /// The state of the latest frame.
@@ -107,6 +146,8 @@ class FrameWindow {
   int latest_slot_ = -1;  ///< -1: the latest frame is not in the window
   Value alone_;           ///< the latest frame then
   std::uint32_t sequence_ = 0;
+  [[no_unique_address]] Present<Mount, has_mount<Layout>> mount_;
+  [[no_unique_address]] Present<bool, has_mount<Layout>> estimates_mount_;
 };
 
 }  // namespace plumbline

@@ -33,6 +33,10 @@ using VisualLayout = Layout<state::Pose>;
 /// What a frame of a rig with an IMU has.                                                       docs/math/imu.md (1)
 using InertialLayout = Layout<state::Pose, state::Velocity, state::GyroBias, state::AccelBias>;
 
+/// Where the camera sits is estimated with such frames (state::Extrinsics): on a body that readings move.
+template <class L>
+constexpr bool has_mount = L::template has<state::Velocity>;
+
 static_assert(InertialLayout::dim == 15 && InertialLayout::offset<state::GyroBias> == 9);
 
 }  // namespace plumbline

@@ -3,7 +3,7 @@
 /// Everybody asks here, nobody the calibration, so that what is found out while running is in force everywhere.
 ///
 /// Of the blocks of the rig (state/block.hpp) the readout time is estimated here, the time offset by the motion model
-/// that knows the IMU; extrinsics are those of the calibration.
+/// that knows the IMU, the extrinsics by the window.
 
 #include "plumbline/core/present.hpp"
 #include "plumbline/lie/se3.hpp"
@@ -26,6 +26,7 @@ class RigState {
 
   /// state::Extrinsics
   const SE3<S>& T_body_cam() const { return T_body_cam_; }
+  void set_T_body_cam(const SE3<S>& T_body_cam) { T_body_cam_ = T_body_cam; }
   /// state::TimeOffset; zero without an IMU.
   double time_offset_s() const { return time_offset_s_.get(); }
   void set_time_offset(double offset_s) { time_offset_s_.set(offset_s); }

@@ -1,0 +1,54 @@
+#include "plumbline/backend/mount_prior.hpp"
+
+#include <memory>
+
+#include "catch.hpp"
+#include "plumbline/solver/normal_equations.hpp"
+#include "plumbline/testing/gaussian.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+using Correction = MountPrior::Correction;
+using Equations = NormalEquations<double, 15, 2>;
+
+}  // namespace
+
+TEST_CASE("mount_prior: its gradient is that of its cost, and belongs to the mount alone") {
+  const MountPrior prior({});
+  testing::Gaussian noise(1);
+  for (int n = 0; n < 50; ++n) {
+    const double size = n % 3 == 0 ? 1e-4 : n % 3 == 1 ? 5e-3 : 0.3;
+    const Correction e = n == 0 ? Correction(Correction::Zero()) : Correction(size * noise.vector<6>());
+    const auto equations = std::make_unique<Equations>();
+    equations->reset(2);
+    prior.add_to(e, 1, *equations);
+    for (int k = 0; k < 6; ++k) {
+      const double step = 1e-7;
+      const Correction d = step * Correction::Unit(k);
+      const double slope = (prior.cost(e + d) - prior.cost(e - d)) / (2 * step);
+      CHECK(equations->b()[15 + k] == Approx(slope).epsilon(1e-5).margin(1e-3));
+    }
+    CHECK(equations->b().head<15>().norm() == 0);
+    CHECK(equations->H().leftCols(15).norm() == 0);
+  }
+}
+
+TEST_CASE("mount_prior: what is right within its sigma is believed, what is plainly wrong hardly") {
+  const MountOptions options;
+  const MountPrior prior(options);
+  const auto information = [&](double sigmas, int axis) {
+    const auto equations = std::make_unique<Equations>();
+    equations->reset(2);
+    prior.add_to(sigmas * (axis < 3 ? options.rotation_sigma : options.position_sigma) * Correction::Unit(axis), 1,
+                 *equations);
+    return equations->H()(15 + axis, 15 + axis);
+  };
+  for (const int axis : {1, 4}) {
+    const double sigma = axis < 3 ? options.rotation_sigma : options.position_sigma;
+    CHECK(information(0, axis) == Approx(1 / (sigma * sigma)));
+    CHECK(information(1, axis) > 0.8 * information(0, axis));
+    CHECK(information(30, axis) < 0.011 * information(0, axis));
+  }
+}

@@ -1,0 +1,93 @@
+// Where the camera sits, against derivatives by differences and a dense change of variables.     docs/math/window.md (6)
+#include "plumbline/backend/window_equations.hpp"
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "catch.hpp"
+#include "plumbline/lie/plus.hpp"
+#include "plumbline/residual/relative_view.hpp"
+#include "plumbline/state/frame_window.hpp"
+#include "plumbline/testing/gaussian.hpp"
+
+using namespace plumbline;
+
+namespace {
+
+template <class S>
+SE3<S> random_pose(testing::Gaussian& noise, double size) {
+  return {SO3<S>::exp((size * noise.vector<3>()).template cast<S>()), (size * noise.vector<3>()).template cast<S>()};
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("window_equations: a step of the mount is its adjoint's step of all bodies", "", float, double) {
+  using S = TestType;
+  const S step = std::is_same_v<S, float> ? S(1e-3) : S(1e-5), tolerance = 20 * step * step + S(1e-6) * step;
+  testing::Gaussian noise(3);
+  for (int n = 0; n < 200; ++n) {
+    // Also bodies in one place, cameras in the body's middle and far from it.
+    const double apart = n % 4 == 0 ? 0 : 1, lever = n % 5 == 0 ? 0 : n % 5 == 1 ? 3 : 0.2;
+    const SE3<S> T_anchor = random_pose<S>(noise, 1), T_target = T_anchor * random_pose<S>(noise, apart);
+    const SE3<S> T_body_cam(random_pose<S>(noise, 1).rotation(), (lever * noise.vector<3>()).template cast<S>());
+    const Vec<S, 6> e = step * noise.vector<6>().normalized().template cast<S>(), d = T_body_cam.adjoint() * e;
+    const RelativeView<S> by_mount(T_anchor, T_target, plus(T_body_cam, e));
+    const RelativeView<S> by_bodies(plus(T_anchor, d), plus(T_target, d), T_body_cam);
+    const S size = 1 + by_mount.t_target_anchor().norm() + S(lever * lever);
+    CHECK((by_mount.R_target_anchor() - by_bodies.R_target_anchor()).norm() < tolerance);
+    CHECK((by_mount.t_target_anchor() - by_bodies.t_target_anchor()).norm() < tolerance * size);
+  }
+}
+
+TEST_CASE("window_equations: the mount changes variables, whatever was seen") {
+  constexpr int slots = 4, frame_dim = InertialLayout::dim, pose_dim = state::Pose::dim;
+  using Window = FrameWindow<double, InertialLayout, slots>;
+  using Equations = WindowEquations<Window>;
+  using Dense = Eigen::MatrixXd;
+  testing::Gaussian noise(5);
+  Window window;
+  window.estimate_mount(random_pose<double>(noise, 1));
+  const auto equations = std::make_unique<Equations>();
+
+  equations->begin();
+  const int dim = equations->normal.dim(), at_mount = slots * frame_dim;
+  REQUIRE(dim == at_mount + frame_dim);
+  Dense H = Dense::Zero(dim, dim), transform = Dense::Identity(dim, dim);
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(dim);
+  for (int i = 0; i < slots; ++i) {
+    const Vec<double, pose_dim> g = noise.vector<pose_dim>();
+    equations->normal.add_gradient(i, g);
+    b.segment<pose_dim>(i * frame_dim) = g;
+    for (int j = 0; j <= i; ++j) {
+      Mat<double, pose_dim, pose_dim> B;
+      for (int c = 0; c < pose_dim; ++c) B.col(c) = noise.vector<pose_dim>();
+      if (i == j) B = Mat<double, pose_dim, pose_dim>(B + B.transpose());
+      equations->normal.add_block(i, j, B);
+      H.block<pose_dim, pose_dim>(i * frame_dim, j * frame_dim) = B;
+      H.block<pose_dim, pose_dim>(j * frame_dim, i * frame_dim) = B.transpose();
+    }
+    transform.block<pose_dim, pose_dim>(i * frame_dim, at_mount) = window.mount().first_estimate().adjoint();
+  }
+  transform.rightCols<frame_dim>().rightCols(frame_dim - pose_dim).setZero();
+  transform.block(at_mount, at_mount, frame_dim, frame_dim).setZero();
+
+  MountOptions nothing;
+  nothing.rotation_sigma = nothing.position_sigma = 1e12;
+  equations->add_mount(window, MountPrior(nothing));
+  const Dense expected = transform.transpose() * H * transform;
+  double error = 0;
+  for (int c = 0; c < dim; ++c) {
+    for (int r = c; r < dim; ++r) error = std::max(error, std::abs(equations->normal.H()(r, c) - expected(r, c)));
+  }
+  CHECK(error < 1e-9 * expected.norm());
+  CHECK((equations->normal.b() - transform.transpose() * b).norm() < 1e-9 * b.norm());
+}
+
+TEST_CASE("window_equations: without the mount nothing is changed") {
+  FrameWindow<double, InertialLayout, 3> window;
+  const auto equations = std::make_unique<WindowEquations<decltype(window)>>();
+  equations->begin();
+  equations->add_mount(window, MountPrior({}));
+  REQUIRE(equations->normal.H().norm() == 0);
+  STATIC_REQUIRE(WindowEquations<FrameWindow<double, VisualLayout, 3>>::Normal::max_dim == 3 * state::Pose::dim);
+}
