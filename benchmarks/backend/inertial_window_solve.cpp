@@ -53,7 +53,7 @@ struct Window {
 
   Sensors rig;
   Landmarks landmarks{StoreOptions{}, StoreOptions{}};
-  Backend backend{{}, {}};
+  Backend backend{with_known_mount(), {}};
 
   /// The first keyframe is exact, it defines the world; the others start 2 cm, 1 degree and 5 cm/s off.
   Window() {
@@ -96,6 +96,13 @@ struct Window {
   const auto& line_landmarks() const { return landmarks.template get<1>().landmarks(); }
 
  private:
+  /// Ceres has it as given.
+  static WindowOptions with_known_mount() {
+    WindowOptions out;
+    out.mount.rotation_sigma = out.mount.position_sigma = 1e-7;
+    return out;
+  }
+
   /// The readings before keyframe k, 200 in a second.
   static Preintegration<S> increment(const Motion& motion, int k, testing::Gaussian& noise) {
     const ImuNoise spread;

@@ -12,7 +12,7 @@
 namespace plumbline::test {
 
 constexpr int seeds = 30;
-/// 99 % of the means of `seeds` independent chi-squares of three degrees of freedom: chi-square of 90 by 30; and of six.
+/// 99 % of the means of `seeds` independent chi-squares of three degrees of freedom, chi-square of 90 by 30; of six.
 constexpr double band_low = 1.97, band_high = 4.28, mount_low = 4.48, mount_high = 7.76;
 
 /// Mean over all seeds, second by second. What is averaged over a second is correlated and spreads less than one

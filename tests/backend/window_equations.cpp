@@ -1,4 +1,4 @@
-// Where the camera sits, against derivatives by differences and a dense change of variables.     docs/math/window.md (6)
+// Where the camera sits, against differences and a dense change of variables.                 docs/math/window.md (6)
 #include "plumbline/backend/window_equations.hpp"
 
 #include <Eigen/Core>

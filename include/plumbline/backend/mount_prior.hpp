@@ -2,7 +2,7 @@
 /// What the calibration says of where the camera sits on the body.                          docs/math/camera_imu.md
 ///
 ///   1/2 rho(|e_r|^2/sigma_r^2) + 1/2 rho(|e_p|^2/sigma_p^2),   e the correction of the mount                      (3)
-/// with Cauchy's rho: a calibration is right within its sigma, or it is of another rig, a drawing, or mixed up, and then
+/// with Cauchy's rho: a calibration is right within its sigma, or it is of another rig, a drawing, mixed up, and then
 /// says little. It never goes into the window's prior, so that its weight is always that of the mount as it is now.
 
 #include "plumbline/core/matrix.hpp"

@@ -74,8 +74,8 @@ class WindowBackend {
   }
 
   /// The same frames as if they had just begun, frame k with the state `state_of(k)`: no prior but the position and
-  /// heading of the oldest one and `J_rest`, rows on the rest of its state. From now on their links take part, and where
-  /// the camera sits is estimated.
+  /// heading of the oldest one and `J_rest`, rows on the rest of its state. From now on their links take part, and
+  /// where the camera sits is estimated.
   template <int Rows>
   void restart(auto&& state_of, const Mat<double, Rows, Layout::dim>& J_rest, const SE3<S>& T_body_cam) {
     for (int k = 0; k < K; ++k) {

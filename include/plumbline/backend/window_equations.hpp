@@ -1,8 +1,8 @@
 #pragma once
 /// The normal equations of a window's frames, landmarks eliminated.                             docs/math/window.md
 ///
-/// What is seen depends on where the camera is, T_k T_body_cam: with E = Ad(T_body_cam) a step e of the mount moves it as
-/// the step E e of all bodies together would, so that rows J_k of the poses have J_e = (sum_k J_k) E, and
+/// What is seen depends on where the camera is, T_k T_body_cam: with E = Ad(T_body_cam) a step e of the mount moves it
+/// as the step E e of all bodies together would, so that rows J_k of the poses have J_e = (sum_k J_k) E, and
 ///   H_ek = E^T sum_j H_jk,   H_ee = E^T (sum_jk H_jk) E,   b_e = E^T sum_k b_k                                 (6)
 /// of what is seen, before anything else is added. A landmark costs nothing more.
 

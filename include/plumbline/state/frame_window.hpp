@@ -1,6 +1,6 @@
 #pragma once
-/// The one owner of poses: the frames that are estimated, each in a slot that it keeps while it lives, the latest frame,
-/// which is one of them or stands alone, and the camera's on the body.                                                           docs/math/window.md
+/// The one owner of poses: the frames that are estimated, each in a slot that it keeps while it lives, the latest one,
+/// which is one of them or stands alone, and the camera's on the body.                       docs/math/window.md
 ///
 /// A new pose gets the linearization point that stands to that of the newest frame as it stands to the newest frame
 /// itself,
