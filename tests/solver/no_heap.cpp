@@ -42,7 +42,8 @@ struct Window {
       normal.reset(blocks);
     } else {
       prior.information(prior_H);
-      normal.reset(blocks, prior_H);
+      normal.reset(blocks);
+      normal.add(prior_H);
       e.setConstant(dim - block_dim, 0.1);
       normal.add_cost(prior.residual(e).squaredNorm());
     }
