@@ -53,7 +53,7 @@ struct Window {
 
   Sensors rig;
   Landmarks landmarks{StoreOptions{}, StoreOptions{}};
-  Backend backend{with_known_mount(), {}};
+  Backend backend{with_known_extrinsics(), {}};
 
   /// The first keyframe is exact, it defines the world; the others start 2 cm, 1 degree and 5 cm/s off.
   Window() {
@@ -97,9 +97,9 @@ struct Window {
 
  private:
   /// Ceres has it as given.
-  static WindowOptions with_known_mount() {
+  static WindowOptions with_known_extrinsics() {
     WindowOptions out;
-    out.mount.rotation_sigma = out.mount.position_sigma = 1e-7;
+    out.extrinsics.rotation_sigma = out.extrinsics.position_sigma = 0;
     return out;
   }
 

@@ -63,7 +63,7 @@ plumbline::Estimate<double> to_double(const plumbline::Estimate<S>& e) {
 
 /// Where the camera sits, as the window found it; before there is one, how it seems to be turned.
 template <class Estimator>
-void inspect_mount(const Estimator& estimator, InertialInspection& out) {
+void inspect_extrinsics(const Estimator& estimator, InertialInspection& out) {
   const auto deviation = [](const auto& T, const auto& calibrated) {
     return std::pair(
         plumbline::Vec<double, 3>((T.rotation() * calibrated.rotation().inverse()).log().template cast<double>()),
@@ -72,16 +72,15 @@ void inspect_mount(const Estimator& estimator, InertialInspection& out) {
   const auto& window = estimator.backend().window();
   const auto calibrated = estimator.rig().T_body_cam();
   std::tie(out.turned, out.moved) = deviation(estimator.rig_state().T_body_cam(), calibrated);
-  out.corrects_mount = window.estimates_mount();
+  out.corrects_extrinsics = window.estimates_extrinsics();
   plumbline::Mat<double, 6, 6> C;
-  if (out.corrects_mount && estimator.backend().covariance_of_mount(C)) {
-    const plumbline::Mat<double, 3, 3> R = calibrated.R().template cast<double>();
+  if (out.corrects_extrinsics && estimator.backend().covariance_of_extrinsics(C)) {
+    const plumbline::Mat<double, 3, 3> R = estimator.rig_state().T_body_cam().R().template cast<double>();
     out.sigma_turned = (R * C.topLeftCorner<3, 3>() * R.transpose()).diagonal().cwiseSqrt();
     out.sigma_moved = (R * C.bottomRightCorner<3, 3>() * R.transpose()).diagonal().cwiseSqrt();
   } else {
     out.turned += estimator.camera_imu().rotation_error();
     out.sigma_turned.setConstant(estimator.camera_imu().rotation_sigma());
-    out.sigma_moved.setZero();
   }
 }
 
@@ -101,13 +100,8 @@ Inspection inspect(const Estimator& estimator, plumbline::TimeNs previous_ns) {
         estimator.imu().gyro_full_scale(),
         estimator.imu().accel_full_scale(),
         std::nullopt,
-        estimator.rig_state().time_offset_s() - rig.imu.camera_time_offset_s,
-        {},
-        {},
-        {},
-        {},
-        false};
-    inspect_mount(estimator, inertial);
+        estimator.rig_state().time_offset_s() - rig.imu.camera_time_offset_s};
+    inspect_extrinsics(estimator, inertial);
     has_pose = inertial.start.stage == plumbline::InitStage::done;  // before, map and pose are of two worlds
     plumbline::Mat<S, 15, 15> covariance;
     if constexpr (requires { estimator.backend().covariance_of_newest(covariance); }) {  // not of the pose alone

@@ -41,9 +41,11 @@ struct InertialInspection {
   double gyro_full_scale, accel_full_scale;        ///< of the calibration, or as the readings show [rad/s], [m/s^2]
   std::optional<plumbline::Vec<double, 9>> sigma;  ///< of velocity, gyroscope bias, accelerometer bias
   double time_offset_s;                            ///< of the camera's clock, beyond the calibration's
-  plumbline::Vec<double, 3> turned, moved;         ///< the camera's mount, against T_body_camera [rad], [m]
-  plumbline::Vec<double, 3> sigma_turned, sigma_moved;
-  bool corrects_mount;  ///< that is in force; else it only seems so
+
+  // How the camera sits against T_body_camera, in the axes of the body [rad], [m].
+  plumbline::Vec<double, 3> turned = plumbline::Vec<double, 3>::Zero(), moved = turned;
+  plumbline::Vec<double, 3> sigma_turned = turned, sigma_moved = turned;
+  bool corrects_extrinsics = false;  ///< that is in force; else it only seems so
 };
 
 struct Inspection {

@@ -136,7 +136,7 @@ std::string found_wrong(const pl::io::Calibration& calibration, const Inspection
   if (last.inertial->time_offset_s != 0)
     out += format("calibration: time_offset_s is %.4f, not %.4f; the run corrected it\n",
                   calibration.camera_time_offset_s + last.inertial->time_offset_s, calibration.camera_time_offset_s);
-  const char* done = last.inertial->corrects_mount ? "the run corrected it" : "the run did not correct it";
+  const char* done = last.inertial->corrects_extrinsics ? "the run corrected it" : "the run did not correct it";
   const auto differs = [&](const char* how, const pl::Vec<double, 3>& found, const pl::Vec<double, 3>& sigma,
                            double least, double unit, const char* unit_name) {
     constexpr double doubt = 4;

@@ -13,7 +13,7 @@ namespace plumbline::test {
 
 constexpr int seeds = 30;
 /// 99 % of the means of `seeds` independent chi-squares of three degrees of freedom, chi-square of 90 by 30; of six.
-constexpr double band_low = 1.97, band_high = 4.28, mount_low = 4.48, mount_high = 7.76;
+constexpr double band_low = 1.97, band_high = 4.28, extrinsics_low = 4.48, extrinsics_high = 7.76;
 
 /// Mean over all seeds, second by second. What is averaged over a second is correlated and spreads less than one
 /// instant does, never more: the band of one instant holds it.
@@ -21,7 +21,7 @@ struct Consistency {
   static constexpr int frames_per_second = 20;
   std::vector<double> nees_position, nees_rotation;  ///< per second
   double mean_position = 0, mean_rotation = 0;       ///< of all of them
-  double mount = 0;                                  ///< of the camera, at the end
+  double extrinsics = 0;                             ///< of the camera, at the end
 };
 
 template <class Run>
@@ -38,7 +38,7 @@ Consistency measure_consistency(int seconds, const RunOptions& options = {}) {
         out.nees_rotation[second] += e.nees_rotation / (seeds * Consistency::frames_per_second);
       }
     }
-    out.mount += run.nees_mount() / seeds;
+    out.extrinsics += run.nees_extrinsics() / seeds;
   }
   for (const double nees : out.nees_position) out.mean_position += nees / seconds;
   for (const double nees : out.nees_rotation) out.mean_rotation += nees / seconds;
@@ -57,9 +57,9 @@ void require_consistent() {
     CHECK(rotation > band_low);
     CHECK(rotation < band_high);
   }
-  CAPTURE(measured.mean_position, measured.mean_rotation, measured.mount);
-  CHECK(measured.mount > mount_low);
-  CHECK(measured.mount < mount_high);
+  CAPTURE(measured.mean_position, measured.mean_rotation, measured.extrinsics);
+  CHECK(measured.extrinsics > extrinsics_low);
+  CHECK(measured.extrinsics < extrinsics_high);
   REQUIRE(measured.mean_position > band_low);
   REQUIRE(measured.mean_position < band_high);
   REQUIRE(measured.mean_rotation > band_low);

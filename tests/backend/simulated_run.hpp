@@ -56,7 +56,7 @@ struct RunOptions {
 struct FrameError {
   double position = 0, rotation = 0;            ///< [m], [rad]
   double nees_position = 0, nees_rotation = 0;  ///< chi-square of three degrees of freedom each
-  double nees_mount = 0;                        ///< six
+  double nees_extrinsics = 0;                   ///< six
 };
 
 /// Segments in the world.
@@ -90,8 +90,8 @@ class BackendRun {
         imu_(quality(options.noise), seed),
         noise_(testing::stream_seed(seed, 20)) {
     window_options_.sigma_first_position = window_options_.sigma_first_rotation = options.noise * options.sigma_first;
-    window_options_.mount.rotation_sigma *= options.noise;
-    window_options_.mount.position_sigma *= options.noise;
+    window_options_.extrinsics.rotation_sigma *= options.noise;
+    window_options_.extrinsics.position_sigma *= options.noise;
     backend_ = std::make_unique<Backend>(window_options_, typename Motion::Options{});
     points_.sigma_px *= options.noise;
     points_.sigma_inverse_depth *= options.noise;
@@ -138,13 +138,13 @@ class BackendRun {
       const Mat<double, 3, 3> block = C.template block<3, 3>(i, i).template cast<double>();
       return known ? e.dot(block.inverse() * e) : std::nan("");
     };
-    return {d.tail<3>().norm(), d.head<3>().norm(), nees(3), nees(0), nees_mount()};
+    return {d.tail<3>().norm(), d.head<3>().norm(), nees(3), nees(0), nees_extrinsics()};
   }
 
-  double nees_mount() const {
+  double nees_extrinsics() const {
     const Vec<double, 6> d = minus(testing::simulated_T_body_camera(), T_body_cam().template cast<double>());
     Mat<double, 6, 6> C;
-    return backend_->covariance_of_mount(C) ? d.dot(C.inverse() * d) : std::nan("");
+    return backend_->covariance_of_extrinsics(C) ? d.dot(C.inverse() * d) : std::nan("");
   }
 
   /// Information on the heading and position of the whole, in units of what the first keyframe's prior knew of it: that
@@ -196,7 +196,7 @@ class BackendRun {
   /// The camera's mount as a calibration has it.
   SE3<double> calibrated(std::uint64_t seed) const {
     testing::Gaussian noise(seed);
-    const MountOptions& sigma = window_options_.mount;
+    const ExtrinsicsOptions& sigma = window_options_.extrinsics;
     Vec<double, 6> off;
     off << sigma.rotation_sigma * noise.vector<3>(), sigma.position_sigma * noise.vector<3>();
     return plus(testing::simulated_T_body_camera(), off);

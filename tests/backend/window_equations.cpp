@@ -46,12 +46,12 @@ TEST_CASE("window_equations: the mount changes variables, whatever was seen") {
   using Dense = Eigen::MatrixXd;
   testing::Gaussian noise(5);
   Window window;
-  window.estimate_mount(random_pose<double>(noise, 1));
+  window.estimate_extrinsics(random_pose<double>(noise, 1));
   const auto equations = std::make_unique<Equations>();
 
   equations->begin();
-  const int dim = equations->normal.dim(), at_mount = slots * frame_dim;
-  REQUIRE(dim == at_mount + frame_dim);
+  const int dim = equations->normal.dim(), at_extrinsics = slots * frame_dim;
+  REQUIRE(dim == at_extrinsics + frame_dim);
   Dense H = Dense::Zero(dim, dim), transform = Dense::Identity(dim, dim);
   Eigen::VectorXd b = Eigen::VectorXd::Zero(dim);
   for (int i = 0; i < slots; ++i) {
@@ -66,14 +66,14 @@ TEST_CASE("window_equations: the mount changes variables, whatever was seen") {
       H.block<pose_dim, pose_dim>(i * frame_dim, j * frame_dim) = B;
       H.block<pose_dim, pose_dim>(j * frame_dim, i * frame_dim) = B.transpose();
     }
-    transform.block<pose_dim, pose_dim>(i * frame_dim, at_mount) = window.mount().first_estimate().adjoint();
+    transform.block<pose_dim, pose_dim>(i * frame_dim, at_extrinsics) = window.extrinsics().first_estimate().adjoint();
   }
   transform.rightCols<frame_dim>().rightCols(frame_dim - pose_dim).setZero();
-  transform.block(at_mount, at_mount, frame_dim, frame_dim).setZero();
+  transform.block(at_extrinsics, at_extrinsics, frame_dim, frame_dim).setZero();
 
-  MountOptions nothing;
+  ExtrinsicsOptions nothing;
   nothing.rotation_sigma = nothing.position_sigma = 1e12;
-  equations->add_mount(window, MountPrior(nothing));
+  equations->add_extrinsics(window, ExtrinsicsPrior(nothing));
   const Dense expected = transform.transpose() * H * transform;
   double error = 0;
   for (int c = 0; c < dim; ++c) {
@@ -87,7 +87,7 @@ TEST_CASE("window_equations: without the mount nothing is changed") {
   FrameWindow<double, InertialLayout, 3> window;
   const auto equations = std::make_unique<WindowEquations<decltype(window)>>();
   equations->begin();
-  equations->add_mount(window, MountPrior({}));
+  equations->add_extrinsics(window, ExtrinsicsPrior({}));
   REQUIRE(equations->normal.H().norm() == 0);
   STATIC_REQUIRE(WindowEquations<FrameWindow<double, VisualLayout, 3>>::Normal::max_dim == 3 * state::Pose::dim);
 }

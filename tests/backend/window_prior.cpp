@@ -22,11 +22,12 @@ constexpr int pose_dim = state::Pose::dim;
 
 template <class S, class Layout>
 struct Scene {
-  static constexpr int frame_dim = Layout::dim, at_mount = slots * frame_dim, mount_dim = state::Extrinsics::dim;
-  static constexpr int dim = at_mount + (has_mount<Layout> ? mount_dim : 0);
+  static constexpr int frame_dim = Layout::dim, at_extrinsics = slots * frame_dim,
+                       extrinsics_dim = state::Extrinsics::dim;
+  static constexpr int dim = at_extrinsics + (has_extrinsics<Layout> ? extrinsics_dim : 0);
   using Window = FrameWindow<S, Layout, slots>;
   using Prior = WindowPrior<Window, max_rows, max_columns>;
-  using Equations = NormalEquations<double, frame_dim, slots + (has_mount<Layout> ? 1 : 0)>;
+  using Equations = NormalEquations<double, frame_dim, slots + (has_extrinsics<Layout> ? 1 : 0)>;
   using Pairs = RelativeEquations<double, pose_dim, slots>;
   using Dense = Eigen::MatrixXd;
   using DenseVector = Eigen::VectorXd;
@@ -42,8 +43,8 @@ struct Scene {
     for (int a = 0; a < slots; ++a) {
       for (int j = 0; j < slots; ++j) pairs.set_transport(a, j, random<double, pose_dim, pose_dim>());
     }
-    if constexpr (has_mount<Layout>) {
-      window.estimate_mount(
+    if constexpr (has_extrinsics<Layout>) {
+      window.estimate_extrinsics(
           SE3<S>(SO3<S>::exp(noise.vector<3>().template cast<S>()), noise.vector<3>().template cast<S>()));
     }
   }
@@ -71,8 +72,8 @@ struct Scene {
         e.segment<frame_dim>(k * frame_dim) = window[k].state.correction().template cast<double>();
       }
     }
-    if constexpr (has_mount<Layout>) {
-      e.segment<mount_dim>(at_mount) = window.mount().correction().template cast<double>();
+    if constexpr (has_extrinsics<Layout>) {
+      e.segment<extrinsics_dim>(at_extrinsics) = window.extrinsics().correction().template cast<double>();
     }
     return e;
   }
@@ -127,10 +128,11 @@ struct Scene {
       r.conservativeResize(n + 3);
       r.tail<3>() = r_k.template cast<double>();
     }
-    if constexpr (has_mount<Layout>) {
+    if constexpr (has_extrinsics<Layout>) {
       Dense together = Dense::Zero(J.rows(), pose_dim);
       for (int k = 0; k < slots; ++k) together += J.middleCols<pose_dim>(k * frame_dim);
-      J.middleCols<mount_dim>(at_mount) = together * window.mount().first_estimate().template cast<double>().adjoint();
+      J.middleCols<extrinsics_dim>(at_extrinsics) =
+          together * window.extrinsics().first_estimate().template cast<double>().adjoint();
     }
     prior.add_landmark(landmark, pairs);
     const Dense Q = orthogonal_to(J_l);

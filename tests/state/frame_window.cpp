@@ -113,16 +113,16 @@ TEST_CASE("frame_window: a step moves every frame that is there, and the mount w
     CHECK(minus(window.T_world_body(k), plus(pose(k), Vec<double, 6>(step.segment<6>(15 * k)))).norm() < 1e-12);
     CHECK((window[k].state.value().bias_accel - step.segment<3>(15 * k + 12)).norm() < 1e-15);
   }
-  CHECK_FALSE(window.estimates_mount());
+  CHECK_FALSE(window.estimates_extrinsics());
   CHECK(minus(window.T_body_cam(given), given).norm() == 0);
 
-  window.estimate_mount(pose(5));
+  window.estimate_extrinsics(pose(5));
   CHECK(minus(window.T_body_cam(given), pose(5)).norm() == 0);
   window.move(step);
   const Vec<double, 6> e = step.tail<6>();
   CHECK(minus(window.T_body_cam(given), plus(pose(5), e)).norm() < 1e-12);
-  CHECK((window.mount().correction() - e).norm() == 0);
-  CHECK(minus(window.mount().first_estimate(), pose(5)).norm() == 0);
+  CHECK((window.extrinsics().correction() - e).norm() == 0);
+  CHECK(minus(window.extrinsics().first_estimate(), pose(5)).norm() == 0);
   window.clear();
   CHECK(minus(window.T_body_cam(given), given).norm() == 0);
 }

@@ -83,8 +83,8 @@ class DirectBackend {
     if (!alone_) return bundle_.covariance_of_newest(covariance);
     return frame_.covariance(window(), window().newest(), covariance);
   }
-  bool covariance_of_mount(Mat<double, 6, 6>& covariance) const requires has_mount<Layout> {
-    return bundle_.covariance_of_mount(covariance);
+  bool covariance_of_extrinsics(Mat<double, 6, 6>& covariance) const requires has_extrinsics<Layout> {
+    return bundle_.covariance_of_extrinsics(covariance);
   }
 
  private:

@@ -12,7 +12,7 @@
 #include <type_traits>
 
 #include "plumbline/backend/backend.hpp"
-#include "plumbline/backend/mount_prior.hpp"
+#include "plumbline/backend/extrinsics_prior.hpp"
 #include "plumbline/backend/window_equations.hpp"
 #include "plumbline/backend/window_prior.hpp"
 #include "plumbline/core/matrix.hpp"
@@ -33,7 +33,7 @@ struct WindowOptions {
   double sigma_first_rotation = 1e-3;  ///< prior on the first pose, which is the world's origin [rad]
   double sigma_first_position = 1e-3;  ///< [m]
   double sigma_first_scale = 1e-3;     ///< of the distance of the first two keyframes where it is the unit, relative
-  MountOptions mount;                  ///< of the camera on a body with an IMU
+  ExtrinsicsOptions extrinsics;        ///< of the camera on a body with an IMU
 };
 
 template <MotionModel Motion, class LandmarksT, int K>
@@ -61,8 +61,7 @@ class WindowBackend {
     window_.clear();
     links_.deactivate();
     const int slot = insert(t_ns, x, {});
-    Mat<double, state::Pose::dim, state::Pose::dim> J;
-    J.setZero();
+    Mat<double, state::Pose::dim, state::Pose::dim> J = Mat<double, state::Pose::dim, state::Pose::dim>::Zero();
     for (int k = 0; k < state::Pose::dim; ++k) {
       J(k, k) = 1 / (k < 3 ? options_.sigma_first_rotation : options_.sigma_first_position);
     }
@@ -97,7 +96,7 @@ class WindowBackend {
       for (int c = 0; c < Layout::dim; ++c) J(place_rows + k, c) = J_rest(k, c);
     }
     set_prior(oldest, J);
-    window_.estimate_mount(T_body_cam);
+    window_.estimate_extrinsics(T_body_cam);
   }
 
   /// The distance between two frames is what it is, with a sigma [m].
@@ -172,8 +171,8 @@ class WindowBackend {
     return equations_.covariance(window_.newest(), covariance);
   }
   /// Of where the camera sits, right increments; false when it is not estimated.
-  bool covariance_of_mount(Mat<double, 6, 6>& covariance) const requires has_mount<Layout> {
-    return window_.estimates_mount() && equations_.covariance(equations_.mount, covariance);
+  bool covariance_of_extrinsics(Mat<double, 6, 6>& covariance) const requires has_extrinsics<Layout> {
+    return window_.estimates_extrinsics() && equations_.covariance(equations_.extrinsics, covariance);
   }
 
  private:
@@ -218,7 +217,8 @@ class WindowBackend {
       });
       if (!eliminated) return false;
       self.ties_.eliminate(landmarks, self.terms_, self.equations_.pairs, self.equations_.normal);
-      if constexpr (has_mount<Layout>) self.equations_.add_mount(self.window_, MountPrior(self.options_.mount));
+      if constexpr (has_extrinsics<Layout>)
+        self.equations_.add_extrinsics(self.window_, ExtrinsicsPrior(self.options_.extrinsics));
       self.equations_.add_known(self.window_, self.prior_, self.links_);
       return true;
     }
@@ -253,9 +253,9 @@ class WindowBackend {
 
   double cost_of_frames() const {
     double cost = prior_.cost(window_) + links_.cost(window_);
-    if constexpr (has_mount<Layout>) {
-      if (window_.estimates_mount())
-        cost += MountPrior(options_.mount).cost(window_.mount().correction().template cast<double>());
+    if constexpr (has_extrinsics<Layout>) {
+      const ExtrinsicsPrior known(options_.extrinsics);
+      if (window_.estimates_extrinsics()) cost += known.cost(window_.extrinsics().correction().template cast<double>());
     }
     return cost;
   }

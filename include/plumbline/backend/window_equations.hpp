@@ -10,7 +10,7 @@
 #include <array>
 #include <cstdint>
 
-#include "plumbline/backend/mount_prior.hpp"
+#include "plumbline/backend/extrinsics_prior.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/solver/normal_equations.hpp"
 #include "plumbline/solver/relative_equations.hpp"
@@ -21,8 +21,8 @@ namespace plumbline {
 template <class Window>
 struct WindowEquations {
   using Layout = typename Window::Layout;
-  static constexpr int slots = Window::slots, mount = slots;  ///< the mount is the block after those of the frames
-  using Normal = NormalEquations<double, Layout::dim, slots + (has_mount<Layout> ? 1 : 0)>;
+  static constexpr int slots = Window::slots, extrinsics = slots;  ///< they are the block after those of the frames
+  using Normal = NormalEquations<double, Layout::dim, slots + (has_extrinsics<Layout> ? 1 : 0)>;
   using Pose = Mat<double, state::Pose::dim, state::Pose::dim>;
 
   Normal normal;
@@ -38,11 +38,11 @@ struct WindowEquations {
     std::sort(by_age.begin(), by_age.end(), [&](int a, int b) { return age(a) < age(b); });
     typename Normal::Order order;
     int n = 0;
-    for (int c = state::Extrinsics::dim; has_mount<Layout> && c < Layout::dim; ++c) order[n++] = at(mount, c);
+    for (int c = state::Extrinsics::dim; has_extrinsics<Layout> && c < Layout::dim; ++c) order[n++] = at(extrinsics, c);
     for (int k = slots - 1; k >= 0; --k) {
       for (int c = state::Pose::dim; c < Layout::dim; ++c) order[n++] = at(by_age[k], c);
     }
-    for (int c = 0; has_mount<Layout> && c < state::Extrinsics::dim; ++c) order[n++] = at(mount, c);
+    for (int c = 0; has_extrinsics<Layout> && c < state::Extrinsics::dim; ++c) order[n++] = at(extrinsics, c);
     for (const int slot : by_age) {
       for (int c = 0; c < state::Pose::dim; ++c) order[n++] = at(slot, c);
     }
@@ -52,9 +52,9 @@ struct WindowEquations {
   void begin() { normal.reset(Normal::max_blocks); }
 
   /// (6), of what was added so far, E at the mount's first estimate; and the prior of the mount.
-  void add_mount(const Window& window, const MountPrior& prior) {
-    if (!window.estimates_mount()) return;
-    const Pose E = window.mount().first_estimate().template cast<double>().adjoint();
+  void add_extrinsics(const Window& window, const ExtrinsicsPrior& prior) {
+    if (!window.estimates_extrinsics()) return;
+    const Pose E = window.extrinsics().first_estimate().template cast<double>().adjoint();
     Pose of_all = Pose::Zero();
     for (int k = 0; k < slots; ++k) {
       Pose of_frame = Pose::Zero();
@@ -66,16 +66,16 @@ struct WindowEquations {
           }
         }
       }
-      normal.add_block(mount, k, Pose(E.transpose() * of_frame));
+      normal.add_block(extrinsics, k, Pose(E.transpose() * of_frame));
       of_all += of_frame;
     }
-    normal.add_block(mount, mount, Pose(E.transpose() * of_all * E));
+    normal.add_block(extrinsics, extrinsics, Pose(E.transpose() * of_all * E));
     Vec<double, state::Pose::dim> b = Vec<double, state::Pose::dim>::Zero();
     for (int k = 0; k < slots; ++k) {
       for (int c = 0; c < state::Pose::dim; ++c) b[c] += normal.b()[at(k, c)];
     }
-    normal.add_gradient(mount, Vec<double, state::Pose::dim>(E.transpose() * b));
-    prior.add_to(window.mount().correction().template cast<double>(), mount, normal);
+    normal.add_gradient(extrinsics, Vec<double, state::Pose::dim>(E.transpose() * b));
+    prior.add_to(window.extrinsics().correction().template cast<double>(), extrinsics, normal);
   }
 
   /// The prior, the rows of the links, and an identity for every parameter that nothing speaks of.
@@ -84,7 +84,7 @@ struct WindowEquations {
     for (int k = 0; k < slots; ++k) {
       hold(k, !window[k].used ? 0 : links.active() ? Layout::dim : state::Pose::dim);
     }
-    if constexpr (has_mount<Layout>) hold(mount, window.estimates_mount() ? state::Extrinsics::dim : 0);
+    if constexpr (has_extrinsics<Layout>) hold(extrinsics, window.estimates_extrinsics() ? state::Extrinsics::dim : 0);
     links.for_each_row(window, -1, [&](int i, const auto& J_i, int j, const auto& J_j, const auto& r) {
       normal.add(i, J_i, j, J_j, r, 1.0);
     });

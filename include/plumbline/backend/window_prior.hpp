@@ -17,11 +17,11 @@ namespace plumbline {
 template <class Window, int max_rows, int max_columns>
 class WindowPrior {
  public:
-  static constexpr int frame_dim = Window::Layout::dim, mount_dim = state::Extrinsics::dim;
-  static constexpr int at_mount = Window::slots * frame_dim;  ///< its first column
-  static constexpr int dim = at_mount + (has_mount<typename Window::Layout> ? mount_dim : 0);
+  static constexpr int frame_dim = Window::Layout::dim, extrinsics_dim = state::Extrinsics::dim;
+  static constexpr int at_extrinsics = Window::slots * frame_dim;  ///< its first column
+  static constexpr int dim = at_extrinsics + (has_extrinsics<typename Window::Layout> ? extrinsics_dim : 0);
   using Vector = Vec<double, dim>;
-  using Adjoint = Mat<double, mount_dim, mount_dim>;
+  using Adjoint = Mat<double, extrinsics_dim, extrinsics_dim>;
 
   WindowPrior() { H_.resize(dim, dim); }
 
@@ -95,9 +95,9 @@ class WindowPrior {
     marginalizer_.reset(dim);
     marginalizer_.add_rows(prior_.J0, prior_.r0);
     e_ = corrections(window);
-    if constexpr (has_mount<typename Window::Layout>) {
-      E_.set(window.estimates_mount() ? window.mount().first_estimate().template cast<double>().adjoint()
-                                      : Adjoint(Adjoint::Zero()));
+    if constexpr (has_extrinsics<typename Window::Layout>) {
+      E_.set(window.estimates_extrinsics() ? window.extrinsics().first_estimate().template cast<double>().adjoint()
+                                           : Adjoint(Adjoint::Zero()));
     }
   }
 
@@ -124,7 +124,7 @@ class WindowPrior {
     work_.resize(rows, columns + dim + 1);
     const int rank = landmark.reduced_rows(work_, pairs, frame_dim);
     if (rows <= rank) return;
-    if constexpr (has_mount<typename Window::Layout>) move_with_mount(columns, rank);
+    if constexpr (has_extrinsics<typename Window::Layout>) move_with_extrinsics(columns, rank);
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_rows, 1> r(rows - rank);
     for (int k = rank; k < rows; ++k) r[k - rank] = work_(k, columns + dim);
     for (int c = 0; c < dim; ++c) {  // the prior's residual belongs to e = 0
@@ -149,15 +149,15 @@ class WindowPrior {
 
  private:
   /// The rows in `work_` from `first` on by the mount, (6) of WindowEquations.
-  void move_with_mount(int columns, int first) {
+  void move_with_extrinsics(int columns, int first) {
     const Adjoint& E = E_.get();
     for (int k = first; k < int(work_.rows()); ++k) {
-      Vec<double, mount_dim> together = Vec<double, mount_dim>::Zero();
+      Vec<double, extrinsics_dim> together = Vec<double, extrinsics_dim>::Zero();
       for (int slot = 0; slot < Window::slots; ++slot) {
-        for (int c = 0; c < mount_dim; ++c) together[c] += work_(k, columns + slot * frame_dim + c);
+        for (int c = 0; c < extrinsics_dim; ++c) together[c] += work_(k, columns + slot * frame_dim + c);
       }
-      for (int c = 0; c < mount_dim; ++c) {
-        for (int i = 0; i < mount_dim; ++i) work_(k, columns + at_mount + c) += together[i] * E(i, c);
+      for (int c = 0; c < extrinsics_dim; ++c) {
+        for (int i = 0; i < extrinsics_dim; ++i) work_(k, columns + at_extrinsics + c) += together[i] * E(i, c);
       }
     }
   }
@@ -170,9 +170,9 @@ class WindowPrior {
       const auto correction = window[k].state.correction();
       for (int c = 0; c < frame_dim; ++c) e[k * frame_dim + c] = double(correction[c]);
     }
-    if constexpr (has_mount<typename Window::Layout>) {
-      for (int c = 0; window.estimates_mount() && c < mount_dim; ++c)
-        e[at_mount + c] = double(window.mount().correction()[c]);
+    if constexpr (has_extrinsics<typename Window::Layout>) {
+      for (int c = 0; window.estimates_extrinsics() && c < extrinsics_dim; ++c)
+        e[at_extrinsics + c] = double(window.extrinsics().correction()[c]);
     }
     return e;
   }
@@ -181,7 +181,7 @@ class WindowPrior {
   BoundedMatrix<double, dim, dim> H_;  ///< J0^T J0, which does not change until the next frame leaves
   Marginalizer<dim, 64> marginalizer_;
   Vector e_;
-  [[no_unique_address]] Present<Adjoint, has_mount<typename Window::Layout>> E_;  ///< of what leaves
+  [[no_unique_address]] Present<Adjoint, has_extrinsics<typename Window::Layout>> E_;  ///< of what leaves
   BoundedMatrix<double, max_rows, max_columns + dim + 1> work_;
 };
 

@@ -75,9 +75,9 @@ class Odometry {
     const S dt = S(seconds_between(estimate.t_ns, frame.t_ns));
     const State latest = window().latest();
     estimate.time_offset_s = motion.calibrate(rig_state, window());
-    const SE3<S>& T_body_cam = estimate.T_body_cam = rig_state.T_body_cam();
+    estimate.T_body_cam = rig_state.T_body_cam();
     motion.begin_frame(frame.t_ns, is_first ? nullptr : &latest, dt);
-    View<Sensors> view = images.view(rig, frame, motion.T_body_cam(T_body_cam), rig_state.readout().value_s, dt);
+    auto view = images.view(rig, frame, motion.T_body_cam(estimate.T_body_cam), rig_state.readout().value_s, dt);
     turn_shutter(view);
     return view;
   }

@@ -58,6 +58,7 @@ class Inertial {
 
   Inertial(const Sensors& rig, const Options& options)
       : options_(options),
+        T_body_cam_calibrated_(rig.T_body_cam()),
         gravity_(gravity_in_world<S>(S(options.gravity))),
         imu_(rig.imu, inflated(rig.imu.noise, options)),
         since_keyframe_(imu_.since(State{})),
@@ -67,14 +68,13 @@ class Inertial {
   ImuIntake<S>& imu() { return imu_; }
   const ImuIntake<S>& imu() const { return imu_; }
 
-  /// What was found out about camera and IMU is in force from the next frame on. Returns the camera's time offset [s].
+  /// What was found out about camera and IMU is in force from the next frame on, the extrinsics until all begins anew:
+  /// where an estimate went wrong, so may they have. Returns the camera's time offset [s].
   double calibrate(auto& rig, const auto& window) {
-    if (is_metric_) {
-      const SE3<S> T_body_cam = window.T_body_cam(rig.T_body_cam());
-      const SO3<S> turned = T_body_cam.rotation() * rig.T_body_cam().rotation().inverse();
-      camera_imu_.turn_mount(turned.log().template cast<double>());
-      rig.set_T_body_cam(T_body_cam);
-    }
+    const SE3<S>& T_body_cam = window.T_body_cam(T_body_cam_calibrated_);
+    const SO3<S> turned = T_body_cam.rotation() * rig.T_body_cam().rotation().inverse();
+    camera_imu_.turn_mount(turned.log().template cast<double>());
+    rig.set_T_body_cam(T_body_cam);
     rig.set_time_offset(rig.time_offset_s() + camera_imu_.take_time_offset());
     imu_.set_camera_time_offset(rig.time_offset_s());
     return rig.time_offset_s();
@@ -269,6 +269,7 @@ class Inertial {
   }
 
   Options options_;
+  SE3<S> T_body_cam_calibrated_;
   Vec<S, 3> gravity_;
   ImuIntake<S> imu_;
   Preintegration<S> since_keyframe_;

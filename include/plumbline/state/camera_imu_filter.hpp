@@ -8,7 +8,7 @@
 ///   e = Log(R_g^T R_v) = R_g^T c + phi + w d + noise,   its variance with (|w'| d^2/2)^2: w changes meanwhile    (2)
 /// A Kalman filter over [c b phi d]. c and b are taken over at every step; d waits until it is beyond doubt, so that a
 /// clock that is right stays as it is; phi is only told: once frames and readings are solved for together, the window
-/// finds the mount (backend/mount_prior.hpp).
+/// finds the mount (backend/extrinsics_prior.hpp).
 
 #include <algorithm>
 #include <cmath>

@@ -27,7 +27,7 @@ class FrameWindow {
   using Layout = LayoutT;
   using Value = FrameValue<S, Layout>;
   using State = FrameState<S, Layout>;
-  using Mount = Estimated<state::Extrinsics, S>;
+  using Extrinsics = Estimated<state::Extrinsics, S>;
   static constexpr int slots = Slots;
 
   struct Frame {
@@ -93,22 +93,22 @@ class FrameWindow {
     set_latest(latest());
     for (Frame& frame : frames_) frame.used = false;
     size_ = 0;
-    estimates_mount_.set(false);
+    estimates_extrinsics_.set(false);
   }
 
   /// Where the camera sits on the body is estimated as well, from now on until `clear`.
-  void estimate_mount(const SE3<S>& T_body_cam) {
-    Mount mount(T_body_cam);
-    mount.fix_first_estimate();
-    mount_.set(mount);
-    estimates_mount_.set(true);
+  void estimate_extrinsics(const SE3<S>& T_body_cam) {
+    Extrinsics extrinsics(T_body_cam);
+    extrinsics.fix_first_estimate();
+    extrinsics_.set(extrinsics);
+    estimates_extrinsics_.set(true);
   }
-  bool estimates_mount() const { return estimates_mount_.get(); }
-  const Mount& mount() const requires has_mount<Layout> { return mount_.get(); }
+  bool estimates_extrinsics() const { return estimates_extrinsics_.get(); }
+  const Extrinsics& extrinsics() const requires has_extrinsics<Layout> { return extrinsics_.get(); }
   /// As it was found, or else as it is given.
   const SE3<S>& T_body_cam(const SE3<S>& given) const {
-    if constexpr (has_mount<Layout>) {
-      if (estimates_mount()) return mount().value();
+    if constexpr (has_extrinsics<Layout>) {
+      if (estimates_extrinsics()) return extrinsics().value();
     }
     return given;
   }
@@ -125,10 +125,10 @@ class FrameWindow {
       if (frame.used) take(frame.state, at);
       at += Layout::dim;
     }
-    if (!estimates_mount()) return;
-    Mount mount = mount_.get();
-    take(mount, at);
-    mount_.set(mount);
+    if (!estimates_extrinsics()) return;
+    Extrinsics extrinsics = extrinsics_.get();
+    take(extrinsics, at);
+    extrinsics_.set(extrinsics);
   }
 
   /// The state of the latest frame.
@@ -146,8 +146,8 @@ class FrameWindow {
   int latest_slot_ = -1;  ///< -1: the latest frame is not in the window
   Value alone_;           ///< the latest frame then
   std::uint32_t sequence_ = 0;
-  [[no_unique_address]] Present<Mount, has_mount<Layout>> mount_;
-  [[no_unique_address]] Present<bool, has_mount<Layout>> estimates_mount_;
+  [[no_unique_address]] Present<Extrinsics, has_extrinsics<Layout>> extrinsics_;
+  [[no_unique_address]] Present<bool, has_extrinsics<Layout>> estimates_extrinsics_;
 };
 
 }  // namespace plumbline

@@ -35,7 +35,7 @@ using InertialLayout = Layout<state::Pose, state::Velocity, state::GyroBias, sta
 
 /// Where the camera sits is estimated with such frames (state::Extrinsics): on a body that readings move.
 template <class L>
-constexpr bool has_mount = L::template has<state::Velocity>;
+constexpr bool has_extrinsics = L::template has<state::Velocity>;
 
 static_assert(InertialLayout::dim == 15 && InertialLayout::offset<state::GyroBias> == 9);
 

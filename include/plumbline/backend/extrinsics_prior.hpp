@@ -5,28 +5,30 @@
 /// with Cauchy's rho: a calibration is right within its sigma, or it is of another rig, a drawing, mixed up, and then
 /// says little. It never goes into the window's prior, so that its weight is always that of the mount as it is now.
 
+#include <algorithm>
+
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/solver/robust_loss.hpp"
 #include "plumbline/state/block.hpp"
 
 namespace plumbline {
 
-struct MountOptions {
-  double rotation_sigma = 7e-4;    ///< of the calibration [rad]
-  double position_sigma = 2.5e-3;  ///< [m]
+struct ExtrinsicsOptions {
+  double rotation_sigma = 7e-4;    ///< of the calibration [rad]; 0: it is known
+  double position_sigma = 2.5e-3;  ///< [m]; 0: it is known
   double doubt = 3;                ///< it is hardly believed beyond so many sigma
 };
 
-class MountPrior {
+class ExtrinsicsPrior {
  public:
   using Correction = Vec<double, state::Extrinsics::dim>;
 
-  explicit MountPrior(const MountOptions& options) : options_(options), loss_{options.doubt} {}
+  explicit ExtrinsicsPrior(const ExtrinsicsOptions& options) : options_(options), loss_{options.doubt} {}
 
   double cost(const Correction& e) const { return (loss_.rho(squared(e, 0)) + loss_.rho(squared(e, position))) / 2; }
 
-  /// To block `mount` of the normal equations.
-  void add_to(const Correction& e, int mount, auto& normal) const {
+  /// To a block of the normal equations.
+  void add_to(const Correction& e, int block, auto& normal) const {
     Mat<double, state::Extrinsics::dim, state::Extrinsics::dim> H;
     H.setZero();
     Correction g;
@@ -35,20 +37,23 @@ class MountPrior {
       H(k, k) = loss_.weight(squared(e, part)) / (sigma(part) * sigma(part));
       g[k] = H(k, k) * e[k];
     }
-    normal.add_block(mount, mount, H);
-    normal.add_gradient(mount, g);
+    normal.add_block(block, block, H);
+    normal.add_gradient(block, g);
   }
 
  private:
   static constexpr int position = 3;  ///< where it begins
 
-  double sigma(int part) const { return part == position ? options_.position_sigma : options_.rotation_sigma; }
+  double sigma(int part) const {
+    constexpr double known = 1e-6;
+    return std::max(known, part == position ? options_.position_sigma : options_.rotation_sigma);
+  }
   /// |e|^2/sigma^2 of one part.
   double squared(const Correction& e, int part) const {
     return segment<3>(e, part).squaredNorm() / (sigma(part) * sigma(part));
   }
 
-  MountOptions options_;
+  ExtrinsicsOptions options_;
   Cauchy<double> loss_;
 };
 

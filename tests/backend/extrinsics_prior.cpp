@@ -1,4 +1,4 @@
-#include "plumbline/backend/mount_prior.hpp"
+#include "plumbline/backend/extrinsics_prior.hpp"
 
 #include <memory>
 
@@ -10,13 +10,13 @@ using namespace plumbline;
 
 namespace {
 
-using Correction = MountPrior::Correction;
+using Correction = ExtrinsicsPrior::Correction;
 using Equations = NormalEquations<double, 15, 2>;
 
 }  // namespace
 
-TEST_CASE("mount_prior: its gradient is that of its cost, and belongs to the mount alone") {
-  const MountPrior prior({});
+TEST_CASE("extrinsics_prior: its gradient is that of its cost, and belongs to the mount alone") {
+  const ExtrinsicsPrior prior({});
   testing::Gaussian noise(1);
   for (int n = 0; n < 50; ++n) {
     const double size = n % 3 == 0 ? 1e-4 : n % 3 == 1 ? 5e-3 : 0.3;
@@ -35,9 +35,22 @@ TEST_CASE("mount_prior: its gradient is that of its cost, and belongs to the mou
   }
 }
 
-TEST_CASE("mount_prior: what is right within its sigma is believed, what is plainly wrong hardly") {
-  const MountOptions options;
-  const MountPrior prior(options);
+TEST_CASE("extrinsics_prior: a calibration without a sigma is known") {
+  ExtrinsicsOptions known;
+  known.rotation_sigma = known.position_sigma = 0;
+  const auto equations = std::make_unique<Equations>();
+  equations->reset(2);
+  const ExtrinsicsPrior prior(known);
+  prior.add_to(Correction::Zero(), 1, *equations);
+  CHECK(equations->H().allFinite());
+  CHECK(equations->H()(15, 15) > 1e11);
+  CHECK(equations->H()(18, 18) > 1e11);
+  CHECK(prior.cost(Correction::Zero()) == 0);
+}
+
+TEST_CASE("extrinsics_prior: what is right within its sigma is believed, what is plainly wrong hardly") {
+  const ExtrinsicsOptions options;
+  const ExtrinsicsPrior prior(options);
   const auto information = [&](double sigmas, int axis) {
     const auto equations = std::make_unique<Equations>();
     equations->reset(2);
