@@ -61,7 +61,7 @@ TEST_CASE("imu_buffer: between two times, cut by interpolation at both ends") {
     REQUIRE((i.gyro_begin - linear(t).gyro).norm() + (i.accel_begin - linear(t).accel).norm() < 1e-12);
     t += TimeNs(i.dt * 1e9 + 0.5);
     REQUIRE((i.gyro_end - linear(t).gyro).norm() + (i.accel_end - linear(t).accel).norm() < 1e-12);
-    REQUIRE((i.gyro_sigma == 0 && i.accel_sigma == 0));
+    REQUIRE((i.gyro_sigma == 0 && i.accel_sigma < 1e-9));
   }
   REQUIRE(t == end);
 }
@@ -196,6 +196,7 @@ TEST_CASE("imu_buffer: saturated readings are clipped and doubted, each sensor b
   ImuBufferOptions options;
   options.gyro_full_scale = 4;
   options.accel_full_scale = 80;
+  options.vibration = 0;
   ImuBuffer<64> buffer(options);
   for (int k = 0; k <= 8; ++k) {
     ImuSample s = linear(t0 + k * 5 * ms);
@@ -216,7 +217,9 @@ TEST_CASE("imu_buffer: saturated readings are clipped and doubted, each sensor b
 }
 
 TEST_CASE("imu_buffer: a full scale that nobody stated is found out, and doubted from then on") {
-  ImuBuffer<64> buffer;
+  ImuBufferOptions options;
+  options.vibration = 0;
+  ImuBuffer<64> buffer(options);
   TimeNs t = t0;
   for (int k = 0; k < 30; ++k, t += 5 * ms) {
     ImuSample s = linear(t);
@@ -251,6 +254,29 @@ TEST_CASE("imu_buffer: a sensor that repeats itself is frozen until it changes")
   REQUIRE(e.coverage.frozen_s == Approx(15 * 0.005));
   REQUIRE(e.intervals[38].gyro_sigma == Approx(10 * 39 * 0.005 / 2 * std::sqrt(39.0)));
   REQUIRE(!buffer.add(linear(s.t_ns + 5 * ms))->frozen);
+}
+
+TEST_CASE("imu_buffer: an accelerometer that shakes is doubted by a part of what its readings differ by") {
+  testing::Gaussian noise(7);
+  ImuBuffer<512> buffer;
+  const ImuBufferOptions& options = buffer.options();
+  const double sigma = 0.8;
+  const auto shaken = [&](TimeNs t) {
+    ImuSample sample = linear(t0 + t);
+    sample.accel += sigma * noise.vector<3>();
+    return sample;
+  };
+  const auto doubt_before = [&](TimeNs t) { return extract(buffer, t0 + t - 5 * ms, t0 + t).intervals[0].accel_sigma; };
+  TimeNs t = 0;
+  for (; t <= 1000 * ms; t += 5 * ms) REQUIRE(buffer.add(linear(t0 + t)));
+  CHECK(doubt_before(1000 * ms) < 1e-9);  // smooth motion is none
+  for (; t <= 3000 * ms; t += 5 * ms) REQUIRE(buffer.add(shaken(t)));
+  CHECK(doubt_before(3000 * ms) == Approx(options.vibration * sigma).epsilon(0.15));
+  const Extracted halves = extract(buffer, t0 + 2995 * ms, t0 + 2997 * ms);
+  CHECK(halves.intervals[0].accel_sigma * std::sqrt(2.0 / 5) == Approx(doubt_before(3000 * ms)));
+  for (; t <= 6000 * ms; t += 5 * ms) REQUIRE(buffer.add(linear(t0 + t)));
+  CHECK(doubt_before(6000 * ms) < 0.01 * sigma);
+  CHECK(extract(buffer, t0 + 5995 * ms, t0 + 6000 * ms).intervals[0].gyro_sigma == 0);
 }
 
 TEST_CASE("imu_buffer: forgets the oldest when full") {

@@ -16,6 +16,9 @@
 /// much the truth may differ (gyro_sigma, accel_sigma), so that the covariance of the increment grows. With T the whole
 /// time without a live reading, of which the interval dt is a part, and one error for all of it:
 ///   sigma = s sqrt(T/dt),   s = rate of change * T/2,  or full scale: at its rail a sensor says nothing        (8)
+/// An accelerometer that shakes is doubted as well: a part of what its readings differ by from one to the next, once
+/// aliased, looks like motion. With v the variance of readings dt apart that bend by a_k - 2 a_k-1 + a_k-2,
+///   v += (|bend|^2/18 - v) dt/vibration_s,   sigma = vibration sqrt(v)                                         (8b)
 
 #include <algorithm>
 #include <cmath>
@@ -40,6 +43,8 @@ struct ImuBufferOptions {
   double gap_s = 0.025;             ///< samples further apart are a gap [s]
   double gyro_rate = 10;            ///< how fast the true readings change: [rad/s^2]
   double accel_rate = 50;           ///< [m/s^3]
+  double vibration = 0.1;           ///< part of it that counts as noise of slow motion
+  double vibration_s = 0.5;         ///< [s]
   double max_jump_s = 1;            ///< [s]
   int frozen_samples = 25;          ///< sensors with noise do not repeat six numbers
 };
@@ -135,6 +140,7 @@ class ImuBuffer {
     int repeated;                                ///< how often these six numbers came before
     TimeNs live_ns;                              ///< when they came first
     TimeNs gyro_in_range_ns, accel_in_range_ns;  ///< of the newest sample so far that was not at its rail
+    double vibration;                            ///< v of (8b) [m^2/s^4]
   };
 
   static constexpr TimeNs never_used = std::numeric_limits<TimeNs>::min();
@@ -149,18 +155,27 @@ class ImuBuffer {
     return item.sample.accel.cwiseAbs().maxCoeff() >= at_rail * accel_full_scale();
   }
 
-  /// Since when item i repeats its numbers, since when its sensors are at their rails.
+  /// Since when item i repeats its numbers, since when its sensors are at their rails, how it shakes.
   void follow(std::size_t i) {
     Item& item = items_[i];
     item.repeated = 0;
     item.live_ns = item.gyro_in_range_ns = item.accel_in_range_ns = item.sample.t_ns;
     if (i == 0) return;
     const Item& before = items_[i - 1];
+    item.vibration = i == 1 ? before.vibration : vibration(items_[i - 2], before, item);
     if (gyro_saturated(item)) item.gyro_in_range_ns = before.gyro_in_range_ns;
     if (accel_saturated(item)) item.accel_in_range_ns = before.accel_in_range_ns;
     if (item.sample.gyro != before.sample.gyro || item.sample.accel != before.sample.accel) return;
     item.repeated = std::min(before.repeated + 1, options_.frozen_samples);
     item.live_ns = before.live_ns;
+  }
+
+  /// (8b), of three samples in a row.
+  double vibration(const Item& first, const Item& second, const Item& third) const {
+    if (seconds_between(first.sample.t_ns, third.sample.t_ns) > 2 * options_.gap_s) return second.vibration;
+    const Vec<double, 3> bend = third.sample.accel - 2 * second.sample.accel + first.sample.accel;
+    const double part = seconds_between(second.sample.t_ns, third.sample.t_ns) / options_.vibration_s;
+    return second.vibration + std::min(1.0, part) * (bend.squaredNorm() / 18 - second.vibration);
   }
 
   ImuBufferOptions options_;
@@ -235,6 +250,7 @@ ImuCoverage ImuBuffer<Capacity>::for_each_interval(TimeNs t_begin_ns, TimeNs t_e
     interval.accel_begin = reading(t, &ImuSample::accel);
     interval.accel_end = reading(end, &ImuSample::accel);
 
+    const double spacing_s = seconds_between(a.sample.t_ns, b.sample.t_ns);
     double blind_s = 0;  // time without a live reading that this interval is part of
     if (before || after) {
       blind_s = before ? seconds_between(t, b.sample.t_ns) : seconds_between(a.live_ns, t_end_ns);
@@ -242,7 +258,7 @@ ImuCoverage ImuBuffer<Capacity>::for_each_interval(TimeNs t_begin_ns, TimeNs t_e
     } else if (frozen(b)) {
       blind_s = seconds_between(b.live_ns, b.sample.t_ns);
       out.frozen_s += interval.dt;
-    } else if (const double spacing_s = seconds_between(a.sample.t_ns, b.sample.t_ns); spacing_s > options_.gap_s) {
+    } else if (spacing_s > options_.gap_s) {
       blind_s = spacing_s;
       out.gap_s += interval.dt;
     }
@@ -255,7 +271,8 @@ ImuCoverage ImuBuffer<Capacity>::for_each_interval(TimeNs t_begin_ns, TimeNs t_e
     const bool gyro_railed = gyro_saturated(a) || gyro_saturated(b);
     const bool accel_railed = accel_saturated(a) || accel_saturated(b);
     interval.gyro_sigma = doubt(options_.gyro_rate, gyro_railed, gyro_full_scale(), a.gyro_in_range_ns);
-    interval.accel_sigma = doubt(options_.accel_rate, accel_railed, accel_full_scale(), a.accel_in_range_ns);
+    interval.accel_sigma = std::hypot(doubt(options_.accel_rate, accel_railed, accel_full_scale(), a.accel_in_range_ns),
+                                      options_.vibration * std::sqrt(b.vibration * spacing_s / interval.dt));
     if (gyro_railed) out.gyro_saturated_s += interval.dt;
     if (gyro_railed || accel_railed) out.saturated_s += interval.dt;
     visit(interval);

@@ -21,7 +21,7 @@ struct ImuInterval {
   Vec<S, 3> gyro_begin, gyro_end;    ///< [rad/s]
   Vec<S, 3> accel_begin, accel_end;  ///< [m/s^2]
   S gyro_sigma = S(0);               ///< of the mean reading, beyond the sensor's noise: gap, saturation [rad/s]
-  S accel_sigma = S(0);              ///< the same [m/s^2]
+  S accel_sigma = S(0);              ///< the same, and vibration [m/s^2]
 
   Vec<S, 3> mean_gyro() const { return S(0.5) * (gyro_begin + gyro_end); }
   Vec<S, 3> mean_accel() const { return S(0.5) * (accel_begin + accel_end); }
