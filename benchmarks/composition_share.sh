@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # What composing costs: instructions of the classes that only bring the parts together (include/plumbline/estimator),
-# out of all that the library takes for a recording. Each instruction counts for the file of the line that it was compiled
-# from, whatever function it was inlined into. A table in Markdown.
+# out of all that the library takes for a recording. Each instruction counts for the file of the line that it was
+# compiled from, whatever function it was inlined into. A table in Markdown.
 #
 #   benchmarks/composition_share.sh PLUMBLINE DATASET [PATTERN] [-- OPTION ...]
 #
