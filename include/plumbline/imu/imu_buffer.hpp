@@ -43,8 +43,8 @@ struct ImuBufferOptions {
   double gap_s = 0.025;             ///< samples further apart are a gap [s]
   double gyro_rate = 10;            ///< how fast the true readings change: [rad/s^2]
   double accel_rate = 50;           ///< [m/s^3]
-  double vibration = 0.1;           ///< part of it that counts as noise of slow motion
-  double vibration_s = 0.5;         ///< [s]
+  double vibration = 0.1;           ///< part of how accelerations scatter that counts as noise, (8b)
+  double vibration_s = 0.5;         ///< over which they scatter [s]
   double max_jump_s = 1;            ///< [s]
   int frozen_samples = 25;          ///< sensors with noise do not repeat six numbers
 };
