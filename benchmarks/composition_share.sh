@@ -6,7 +6,7 @@
 #   benchmarks/composition_share.sh PLUMBLINE DATASET [PATTERN] [-- OPTION ...]
 #
 # PLUMBLINE is the program, built with line numbers: cmake --preset release -DCMAKE_CXX_FLAGS=-g1. OPTION are those of
-# `plumbline run`. Takes valgrind, and half a minute for each second of a recording.
+# `plumbline run`. Takes valgrind, and some ten seconds for each second of a recording.
 set -euo pipefail
 
 (($# >= 2)) || { sed -n '6,9s/^# *//p' "$0" >&2; exit 2; }
