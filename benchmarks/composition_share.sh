@@ -21,10 +21,10 @@ trap 'rm -rf "$work"' EXIT
 # share FILE: instructions of the library, and those of estimator/, of what callgrind wrote to FILE.
 share() {
   awk '
-    /^f[lie]=/ {
+    /^c?f[lie]=/ {  # the first time a file is named its number is, be it the file of what is called
       split($0, id, /[()]/)
       if (id[3] != "") path[id[2]] = id[3]
-      file = path[id[2]]
+      if (!/^c/) file = path[id[2]]
       next
     }
     /^calls=/ { called = 1; next }  # the next line is the cost of what is called
@@ -33,12 +33,12 @@ share() {
       if (!called && file ~ /include\/plumbline\/estimator\//) ours += $2
       called = 0
     }
-    END { printf "%d %d\n", all, ours }' "$1"
+    END { printf "%.0f %.0f\n", all, ours }' "$1"  # %d of mawk ends at 2^31
 }
 
 echo '| configuration | instructions a frame | of them composing |'
 echo '| --- | --- | --- |'
-for name in $("$program" list | awk '$2 == "needs" { print $1 }'); do
+for name in $("$program" list | awk '$2 == "needs" && /\// { print $1 }'); do
   # shellcheck disable=SC2053  # a pattern
   [[ $name == $pattern ]] || continue
   valgrind --tool=callgrind --callgrind-out-file="$work/out" "$program" run --config "$name" --dataset "$dataset" \
