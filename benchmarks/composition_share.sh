@@ -21,7 +21,7 @@ trap 'rm -rf "$work"' EXIT
 # share FILE: instructions of the library, and those of estimator/, of what callgrind wrote to FILE.
 share() {
   awk '
-    /^c?f[lie]=/ {  # the first time a file is named its number is, be it the file of what is called
+    /^c?f[lie]=/ {  # a number is explained once, maybe for the file of what is called
       split($0, id, /[()]/)
       if (id[3] != "") path[id[2]] = id[3]
       if (!/^c/) file = path[id[2]]

@@ -26,7 +26,7 @@ END
 # What may not be in the code of a configuration: an extended regular expression. A camera with depth rolls; collinear
 # points are on lines, but none is followed from frame to frame.
 absent_from() {
-  local absent=(testing)
+  local absent=(testing)  # in none of them
   [[ $1 == *-imu/* ]] || absent+=(Imu Preintegration InertialLinks AlignmentWindow)
   [[ $1 == rgbd* ]] || absent+=(InverseDepthMeasurement DepthSensor RollingShutter ReadoutFilter ReadoutTime)
   [[ $1 == *points* || $1 == mono*/lines/* ]] || absent+=(PointKind PointFlow)
