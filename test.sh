@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Builds everything with warnings as errors, compiles each header alone, runs all tests, builds the program of the other
-# presets, and runs the unit tests once more with the address and undefined-behaviour sanitizers, those of two threads
-# with the thread sanitizer. Installs what is missing; may be run again at any time.
+# Builds everything with warnings as errors, compiles each header alone, builds the program of the other presets, and
+# runs all tests: quick ones with the address and undefined-behaviour sanitizers, those of whole estimators, recordings
+# and programs as a user's release, those of two threads with the thread sanitizer too. Installs what is missing; may be
+# run again at any time.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
@@ -15,7 +16,7 @@ step "Packages"
 cmake/setup_debian.sh test
 
 step "Release build"
-quiet cmake --preset release -DPLUMBLINE_WERROR=ON -DPLUMBLINE_REQUIRE_FIRMWARE=ON
+quiet cmake --preset release -DPLUMBLINE_WERROR=ON -DPLUMBLINE_REQUIRE_FIRMWARE=ON -DPLUMBLINE_QUICK_TESTS=OFF
 cmake --build --preset release
 step "Every header alone"
 cmake --build --preset release --target all_verify_interface_header_sets
@@ -30,10 +31,10 @@ for preset in native debug clang; do
   "build/source-$preset/benchmarks/plumbline/plumbline" list
 done
 
-step "Build of the unit tests with sanitizers"
+step "Build of the quick tests with sanitizers"
 quiet cmake --preset asan-ubsan -DPLUMBLINE_WERROR=ON
 cmake --build --preset asan-ubsan
-step "Unit tests with sanitizers"
+step "Quick tests with sanitizers"
 run_tests asan-ubsan
 
 step "Tests of two threads with the thread sanitizer"

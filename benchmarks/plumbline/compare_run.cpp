@@ -15,6 +15,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "compare_json.hpp"
+#include "images.hpp"
 #include "plumbline/io/recording.hpp"
 #include "plumbline/io/trajectory_evaluation.hpp"
 #include "plumbline/opencv/image_file.hpp"
@@ -49,16 +50,10 @@ struct Observed {
   std::map<std::pair<int, std::uint32_t>, MapFeature> map;  ///< as each feature was last known
 };
 
-struct Images {
-  cv::Mat gray, depth;
-};
-
 /// Nothing where a file is damaged: the run goes on with the next frame.
-std::optional<Images> read_images(const io::FrameSample& frame, bool with_depth) {
+std::optional<Images> read_if_whole(const io::FrameSample& frame, bool with_depth) {
   try {
-    Images out{pl::opencv::read_gray(frame.image), {}};
-    if (with_depth && frame.depth) out.depth = pl::opencv::read_depth(*frame.depth);
-    return out;
+    return read_images(frame, with_depth);
   } catch (const std::runtime_error&) {
     return std::nullopt;
   }
@@ -105,7 +100,7 @@ Observed observe(const CompareJob& job, io::Recording& recording, Runner& runner
     }
     const auto& frame = std::get<io::FrameSample>(sample);
     const double t_s = pl::seconds_between(job.dataset->frames.front(), frame.t_ns);
-    const std::optional<Images> images = read_images(frame, needs.depth);
+    const std::optional<Images> images = read_if_whole(frame, needs.depth);
     if (!images) {
       add(out, t_s, std::nullopt, runner);
       continue;

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "format.hpp"
 #include "page.hpp"
 #include "plumbline/io/output_file.hpp"
 

@@ -13,6 +13,7 @@
 #include "frame_picture.hpp"
 #include "plot.hpp"
 #include "plumbline/lie/plus.hpp"
+#include "statistics.hpp"
 
 namespace fs = std::filesystem;
 namespace pl = plumbline;
@@ -29,14 +30,6 @@ fs::path made(const fs::path& directory) {
   fs::create_directories(directory / "frames", error);
   if (error) throw std::runtime_error(directory.string() + ": cannot be made: " + error.message());
   return directory;
-}
-
-/// The value below which the given part of the values lies.
-double quantile(std::vector<double> values, double part) {
-  if (values.empty()) return unknown;
-  const auto rank = values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), rank, values.end());
-  return *rank;
 }
 
 /// Of the length of the three components of the error that begin with `first`.
@@ -119,10 +112,10 @@ void DebugReport::add_row(std::size_t number, pl::TimeNs t_ns, const FrameOutput
       sigma.push_back(innovation.sigma);
       px.push_back(innovation.px);
     }
-    frames_.set(kind + "innovation_median_sigma", quantile(sigma, 0.5));
-    frames_.set(kind + "innovation_p90_sigma", quantile(sigma, 0.9));
-    frames_.set(kind + "innovation_median_px", quantile(px, 0.5));
-    frames_.set(kind + "innovation_p90_px", quantile(px, 0.9));
+    frames_.set(kind + "innovation_median_sigma", percentile(sigma, 0.5));
+    frames_.set(kind + "innovation_p90_sigma", percentile(sigma, 0.9));
+    frames_.set(kind + "innovation_median_px", percentile(px, 0.5));
+    frames_.set(kind + "innovation_p90_px", percentile(px, 0.9));
   }
 
   const bool has_pose = output.has_pose();

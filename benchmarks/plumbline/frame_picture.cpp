@@ -10,14 +10,14 @@ namespace {
 
 using Pixel = plumbline::Vec<float, 2>;
 
-const std::array<cv::Scalar, mark_states> colors{cv::Scalar(70, 210, 60), cv::Scalar(240, 170, 40),
-                                                 cv::Scalar(50, 50, 240), cv::Scalar(30, 210, 240)};
-const cv::Scalar white(235, 235, 235);
+const std::array<cv::Scalar, mark_states> state_colors{cv::Scalar(70, 210, 60), cv::Scalar(240, 170, 40),
+                                                       cv::Scalar(50, 50, 240), cv::Scalar(30, 210, 240)};
+const cv::Scalar text_color(235, 235, 235);
 constexpr int strip_px = 62;  // below the image
 constexpr int shift = 4;      // subpixel bits of OpenCV's coordinates
 constexpr double text_scale = 0.42;
 
-const cv::Scalar& color_of(MarkState state) { return colors[static_cast<std::size_t>(state)]; }
+const cv::Scalar& color_of(MarkState state) { return state_colors[static_cast<std::size_t>(state)]; }
 
 /// Marks in the picture, which shows the image `zoom` times as large.
 class Pen {
@@ -73,9 +73,9 @@ int write(cv::Mat& picture, const std::string& text, cv::Point at, const cv::Sca
 /// "points 120 located 14 unlocated 9 rejected 5 lost".
 void write_counts(cv::Mat& picture, const char* kind, const std::vector<Mark>& marks, cv::Point at) {
   const std::array<int, mark_states> counts = count_states(marks);
-  at.x = write(picture, kind, at, white) + 8;
+  at.x = write(picture, kind, at, text_color) + 8;
   for (std::size_t i = 0; i < mark_states; ++i)
-    at.x = write(picture, std::to_string(counts[i]) + " " + mark_state_names[i], at, colors[i]) + 8;
+    at.x = write(picture, std::to_string(counts[i]) + " " + mark_state_names[i], at, state_colors[i]) + 8;
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ cv::Mat frame_picture(const cv::Mat& gray, const std::vector<Mark>& marks, const
     mark.is_line ? draw_line(pen, mark, color_of(mark.state)) : draw_point(pen, mark, color_of(mark.state));
   }
   cv::Point at(8, image.rows + 17);
-  write(picture, headline, at, white);
+  write(picture, headline, at, text_color);
   for (const auto& [kind, of_kind] : {std::pair("points", &points), std::pair("lines", &lines)})
     if (!of_kind->empty()) write_counts(picture, kind, *of_kind, at += cv::Point(0, 19));
   return picture;

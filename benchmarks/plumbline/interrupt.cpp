@@ -5,15 +5,15 @@
 namespace {
 
 constexpr std::array signals{SIGINT, SIGTERM, SIGHUP};
-volatile std::sig_atomic_t asked = 0;
+volatile std::sig_atomic_t signalled = 0;
 
-extern "C" void note_signal(int) { asked = 1; }
+extern "C" void note_signal(int) { signalled = 1; }
 
 }  // namespace
 
 Interruptible::Interruptible() {
   static_assert(std::size(decltype(before_){}) == signals.size());
-  asked = 0;
+  signalled = 0;
   struct sigaction note {};
   note.sa_handler = note_signal;
   note.sa_flags = static_cast<int>(SA_RESETHAND);
@@ -27,4 +27,4 @@ Interruptible::~Interruptible() {
   for (std::size_t i = 0; i < signals.size(); ++i) sigaction(signals[i], &before_[i], nullptr);
 }
 
-bool Interruptible::is_asked_to_stop() { return asked != 0; }
+bool Interruptible::is_asked_to_stop() { return signalled != 0; }

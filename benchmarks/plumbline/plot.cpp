@@ -25,9 +25,9 @@ constexpr int left = 70, right = 30, top = 70, bottom = 60;  // margins [px]
 const cv::Scalar ink(60, 60, 60), faint(228, 228, 228), pale(190, 190, 190), gray(140, 140, 140), black(40, 40, 40);
 const cv::Scalar green(60, 150, 40), red(50, 50, 210);
 /// Of the first estimate, the second ... (blue, orange, green, purple, red, brown), and again.
-const std::array<cv::Scalar, 6> colors{cv::Scalar(200, 110, 20), {20, 120, 230}, {70, 150, 40},
-                                       {170, 70, 130},           {50, 50, 210},  {60, 90, 130}};
-const cv::Scalar& color_of(std::size_t i) { return colors[i % colors.size()]; }
+const std::array<cv::Scalar, 6> curve_colors{cv::Scalar(200, 110, 20), {20, 120, 230}, {70, 150, 40},
+                                             {170, 70, 130},           {50, 50, 210},  {60, 90, 130}};
+const cv::Scalar& color_of_curve(std::size_t i) { return curve_colors[i % curve_colors.size()]; }
 
 /// World to picture: two of the axes, equal scale, the second axis up.
 struct View {
@@ -150,7 +150,7 @@ struct Legend {
   }
 };
 
-cv::Mat white() { return {zoom * height, zoom * width, CV_8UC3, cv::Scalar::all(255)}; }
+cv::Mat blank_picture() { return {zoom * height, zoom * width, CV_8UC3, cv::Scalar::all(255)}; }
 
 void save(const std::filesystem::path& file, const cv::Mat& drawn) {
   require_picture_name(file);
@@ -186,16 +186,16 @@ void draw_trajectories(const std::filesystem::path& file, const io::Trajectory& 
   for (const io::StampedPose& pose : reference)
     if (pose.t_ns >= first && pose.t_ns <= last) covered.push_back(pose);
 
-  cv::Mat picture = white();
+  cv::Mat picture = blank_picture();
   const View view = view_of(all);
   draw_grid(picture, view);
   draw_path(picture, view, reference, pale, 1);
   draw_path(picture, view, covered, gray, 4);
-  for (std::size_t i = 0; i < estimates.size(); ++i) draw_path(picture, view, estimates[i].poses, color_of(i), 2);
+  for (std::size_t i = 0; i < estimates.size(); ++i) draw_path(picture, view, estimates[i].poses, color_of_curve(i), 2);
   for (const NamedTrajectory& estimate : estimates) draw_marks(picture, view, estimate.poses);
   Legend legend{picture};
   legend.start_and_end();
-  for (std::size_t i = estimates.size(); i-- > 0;) legend.line(estimates[i].name, color_of(i), 2);
+  for (std::size_t i = estimates.size(); i-- > 0;) legend.line(estimates[i].name, color_of_curve(i), 2);
   if (!reference.empty()) legend.line("reference", gray, 4);
   write(picture, title, {zoom * left, zoom * 26}, 0.6, black);
   save(file, picture);
@@ -222,7 +222,7 @@ void draw_errors(const std::filesystem::path& file, const std::vector<ErrorCurve
                      cvRound(zoom * (height - bottom - (height - top - bottom) * m / top_m)));
   };
 
-  cv::Mat picture = white();
+  cv::Mat picture = blank_picture();
   for_each_grid_line(0, duration_s, grid_step(duration_s, 10), [&](double t_s, const std::string& text) {
     cv::line(picture, at(t_s, 0), at(t_s, top_m), faint, zoom, cv::LINE_AA);
     write(picture, text, at(t_s, 0) + cv::Point(-text_size(text, 0.42).width / 2, zoom * 20), 0.42);
@@ -246,8 +246,8 @@ void draw_errors(const std::filesystem::path& file, const std::vector<ErrorCurve
       if (is_gap) strokes.emplace_back();
       strokes.back().push_back(at(plumbline::seconds_between(first, errors[k].t_ns), errors[k].position_m));
     }
-    cv::polylines(picture, strokes, false, color_of(i), zoom * 2, cv::LINE_AA);
-    legend.line(curves[i].name, color_of(i), 2);
+    cv::polylines(picture, strokes, false, color_of_curve(i), zoom * 2, cv::LINE_AA);
+    legend.line(curves[i].name, color_of_curve(i), 2);
   }
   write(picture, title, {zoom * left, zoom * 26}, 0.6, black);
   save(file, picture);

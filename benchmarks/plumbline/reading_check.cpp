@@ -7,6 +7,7 @@
 #include "format.hpp"
 #include "plumbline/lie/so3.hpp"
 #include "recording_check.hpp"
+#include "statistics.hpp"
 
 namespace pl = plumbline;
 namespace io = plumbline::io;
@@ -18,18 +19,11 @@ using Vec3 = pl::Vec<double, 3>;
 
 constexpr double degree = std::numbers::pi / 180;
 
-/// The value below which the given part of the values lies.
-double quantile(std::vector<double> values, double part) {
-  const auto rank = values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), rank, values.end());
-  return *rank;
-}
-
 /// At rest an accelerometer reads 9.8 m/s^2 upwards, and on the move its length is about that most of the time.
 void check_gravity(const std::string& file, const Samples& samples, std::vector<Finding>& findings) {
   std::vector<double> lengths;
   for (const pl::ImuSample& sample : samples) lengths.push_back(sample.accel.norm());
-  const double length = quantile(lengths, 0.5);
+  const double length = percentile(lengths, 0.5);
   const char* meant = length < 0.05                         ? "is the accelerometer dead?"
                       : length > 0.8 && length < 1.25       ? "is it in g instead of m/s^2?"
                       : length < 5                          ? "was gravity taken out of the readings?"
@@ -81,9 +75,9 @@ void check_rates(const std::string& file, const Samples& samples, std::vector<Fi
     rates.push_back(sample.gyro.norm());
     forces.push_back(sample.accel.norm());
   }
-  const double usual = quantile(rates, 0.9);
+  const double usual = percentile(rates, 0.9);
   // Who throws himself about turns gravity like that, too: then the length of the specific force is not steady.
-  const double force = quantile(forces, 0.5), spread = quantile(forces, 0.9) - quantile(forces, 0.1);
+  const double force = percentile(forces, 0.5), spread = percentile(forces, 0.9) - percentile(forces, 0.1);
   const double as_read = turn_of_gravity(samples, 1), as_degrees = turn_of_gravity(samples, degree);
   const bool whirls = usual > 1 && spread < 0.3 * force && as_read > 40 * degree && as_degrees < 0.4 * as_read;
   if (usual <= 6 && !whirls) return;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "format.hpp"
+#include "images.hpp"
 #include "interrupt.hpp"
 #include "plumbline/io/printable.hpp"
 #include "plumbline/io/recording.hpp"
@@ -20,16 +21,6 @@
 namespace pl = plumbline;
 
 namespace {
-
-struct Images {
-  cv::Mat gray, depth;  ///< `depth` is empty where there is none
-};
-
-Images read_images(const pl::io::FrameSample& frame, bool with_depth) {
-  Images out{pl::opencv::read_gray(frame.image), {}};
-  if (with_depth && frame.depth) out.depth = pl::opencv::read_depth(*frame.depth);
-  return out;
-}
 
 /// A calibration for another resolution would give wrong poses without a word.
 void require_calibrated_size(const pl::io::FrameSample& frame, const Images& images,

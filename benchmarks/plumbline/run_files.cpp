@@ -68,7 +68,6 @@ void RunFiles::add_timing(pl::TimeNs t_ns, const FrameOutput& output) {
                            1e3 * timing.estimate, 1e3 * timing.map, 1e3 * timing.total);
   row += std::string(name_of(output.health())) + ',' + reason_of(output);
   if (output.has_pose()) {
-    constexpr double degrees = 57.29577951308232;
     const pl::Vec<double, 6> variance = output.estimate.covariance.diagonal();
     row += format(",%.6g,%.6g", std::sqrt(variance.tail<3>().sum()), degrees * std::sqrt(variance.head<3>().sum()));
   } else {

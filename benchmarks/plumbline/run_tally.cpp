@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <numbers>
 #include <numeric>
 
 #include "format.hpp"
@@ -12,8 +11,6 @@
 namespace pl = plumbline;
 
 namespace {
-
-constexpr double degrees = 180 / std::numbers::pi;
 
 /// What the start waits for, with the figures that say how far it is from that.
 std::string figures_of(const pl::InitReport& start) {
@@ -51,7 +48,7 @@ std::string figures_of(const pl::InitReport& start) {
   }
 }
 
-std::string reason_of(const FrameOutput& output) {
+std::string explanation_of(const FrameOutput& output) {
   if (output.refused) return std::string("refused, ") + name_of(*output.refused);
   const pl::Health& health = output.estimate.health;
   if (health.state != pl::HealthState::initializing)
@@ -74,7 +71,7 @@ void RunTally::add(const FrameOutput& output, bool is_in_trajectory) {
   }
   if (output.has_sound_pose()) return sound_.push_back(output.timing);
   ++without_;
-  Reason& reason = reasons_[reason_of(output)];
+  Reason& reason = reasons_[explanation_of(output)];
   ++reason.frames;
   if (!output.refused && output.health() == pl::HealthState::initializing) reason.figures = figures_of(output.start);
 }

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
-struct Outcome {
+struct StartOutcome {
   double pose_s = never, tracking_s = never;  ///< after the first frame
   double scale_error = NAN, later = NAN;      ///< over two seconds from `tracking` on, and of the last two; NaN at rest
   int wrong = 0;                              ///< frames
@@ -37,8 +37,8 @@ double scale_error(const LoadedRecording& recording, const std::vector<JudgedFra
   return S && path_m > 0.2 ? std::abs(1 - S->scale()) : std::nan("");
 }
 
-Outcome outcome_of(const LoadedRecording& recording, const std::vector<JudgedFrame>& frames) {
-  Outcome out;
+StartOutcome outcome_of(const LoadedRecording& recording, const std::vector<JudgedFrame>& frames) {
+  StartOutcome out;
   const pl::TimeNs begin_ns = frames.front().t_ns, two_s = 2'000'000'000;
   pl::TimeNs tracking_ns = 0;
   for (const JudgedFrame& frame : frames) {
@@ -76,7 +76,7 @@ void run_starts(const Configuration& configuration, const LoadedRecording& recor
     const auto frames = run_trial(configuration, recording, begin_ns, begin_ns + std::llround(1e9 * options.duration_s),
                                   [](Event&) { return true; });
     if (frames.empty()) continue;
-    const Outcome out = outcome_of(recording, frames);
+    const StartOutcome out = outcome_of(recording, frames);
     ++starts;
     posed += std::isfinite(out.pose_s);
     tracked += std::isfinite(out.tracking_s);

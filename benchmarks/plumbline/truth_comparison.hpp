@@ -7,8 +7,6 @@
 #include "plumbline/core/time.hpp"
 #include "plumbline/io/trajectory.hpp"
 
-inline constexpr double degrees = 57.29577951308232;  ///< of a radian
-
 struct EstimatedPose {
   plumbline::TimeNs t_ns;
   plumbline::SE3<double> T_world_body;
