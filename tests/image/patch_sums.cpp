@@ -18,8 +18,8 @@ void compare() {
   }
   const float mean = a.mean();
   CHECK(mean_of(a) == mean);
-  CHECK(dot(a, b) == a.dot(b));
-  CHECK(squared_norm(a) == a.squaredNorm());
+  CHECK(sum_of_products(a, b) == a.dot(b));
+  CHECK(sum_of_squares(a) == a.squaredNorm());
   CHECK(squared_norm_about(a, mean) == (a.array() - mean).matrix().squaredNorm());
 }
 

@@ -89,7 +89,7 @@ class DirectBackend {
 
  private:
   void know_keyframe() {
-    Mat<S, Layout::dim, Layout::dim> covariance = Mat<S, Layout::dim, Layout::dim>::Zero();
+    Mat<S, Layout::dim, Layout::dim> covariance = zeros<S, Layout::dim, Layout::dim>();
     bundle_.covariance_of_newest(covariance);
     frame_.set_keyframe(window().newest(), covariance);
   }

@@ -30,7 +30,7 @@ class ExtrinsicsPrior {
   /// To a block of the normal equations.
   void add_to(const Correction& e, int block, auto& normal) const {
     Mat<double, state::Extrinsics::dim, state::Extrinsics::dim> H;
-    H.setZero();
+    set_zero(H);
     Correction g;
     for (int k = 0; k < state::Extrinsics::dim; ++k) {
       const int part = k < position ? 0 : position;
@@ -50,7 +50,7 @@ class ExtrinsicsPrior {
   }
   /// |e|^2/sigma^2 of one part.
   double squared(const Correction& e, int part) const {
-    return segment<3>(e, part).squaredNorm() / (sigma(part) * sigma(part));
+    return squared_norm(segment<3>(e, part)) / (sigma(part) * sigma(part));
   }
 
   ExtrinsicsOptions options_;

@@ -79,11 +79,11 @@ class FrameSolve {
       }
       window.state(slot).add(segment<dim>(d, 0));
       if constexpr (rest_dim > 0) {
-        Vec<S, dim> d_keyframe = Vec<S, dim>::Zero();
+        Vec<S, dim> d_keyframe = zeros<S, dim>();
         set_segment(d_keyframe, pose_dim, segment<rest_dim>(d, dim));
         window.state(keyframe_).add(d_keyframe);
       }
-      if (segment<pose_dim>(d, 0).norm() < S(options.step_tolerance)) break;
+      if (norm(segment<pose_dim>(d, 0)) < S(options.step_tolerance)) break;
     }
     window.state(keyframe_) = keyframe_before;  // it is the window's
     Mat<S, System::dim, System::dim> covariance;
@@ -111,10 +111,9 @@ class FrameSolve {
   /// (10)
   void set_rest(const Covariance& covariance) {
     if constexpr (rest_dim > 0) {
-      L_rest_ = Rest::Identity() * (1 / fallback_sigma);
+      L_rest_ = identity<S, rest_dim>() * (1 / fallback_sigma);
       Cholesky<S, pose_dim> factor;
-      if (!factor.compute(block<pose_dim, pose_dim>(covariance, 0, 0), Vec<S, pose_dim>(Vec<S, pose_dim>::Zero())))
-        return;
+      if (!factor.compute(block<pose_dim, pose_dim>(covariance, 0, 0), zeros<S, pose_dim>())) return;
       Rest conditional = block<rest_dim, rest_dim>(covariance, pose_dim, pose_dim);
       for (int c = 0; c < rest_dim; ++c) {
         Vec<S, pose_dim> by_pose = block<pose_dim, 1>(covariance, 0, pose_dim + c);
@@ -139,7 +138,7 @@ class FrameSolve {
   /// Keeps the frame's velocity and biases near to what was predicted, where nothing else does.
   static void add_rest(const Vec<S, dim>& moved, S sigma, System& system) {
     for (int k = pose_dim; k < dim; ++k) {
-      Mat<S, 1, System::dim> J = Mat<S, 1, System::dim>::Zero();
+      Mat<S, 1, System::dim> J = zeros<S, 1, System::dim>();
       J(0, k) = 1 / sigma;
       system.add(J, Vec<S, 1>(moved[k] / sigma), S(1));
     }
@@ -148,17 +147,17 @@ class FrameSolve {
   void add_keyframe(const Vec<S, dim>& step, System& system) const {
     if constexpr (rest_dim > 0) {
       const Vec<S, rest_dim> moved = segment<rest_dim>(step, pose_dim);
-      Mat<S, rest_dim, System::dim> J = Mat<S, rest_dim, System::dim>::Zero();
+      Mat<S, rest_dim, System::dim> J = zeros<S, rest_dim, System::dim>();
       set_block(J, 0, dim, L_rest_);
       system.add(J, product(L_rest_, moved), S(1));
     }
   }
 
   typename Landmarks::template TupleOf<MotionTerms> terms_;
-  int keyframe_ = 0, latest_ = -1;  ///< slots; the latest that was solved alone
-  Rest L_rest_ = Rest::Identity();  ///< L of (10)
-  PoseCovariance pose_of_keyframe_ = PoseCovariance::Zero();
-  Covariance relative_ = Covariance::Zero();  ///< of the latest, the keyframe's pose being given
+  int keyframe_ = 0, latest_ = -1;         ///< slots; the latest that was solved alone
+  Rest L_rest_ = identity<S, rest_dim>();  ///< L of (10)
+  PoseCovariance pose_of_keyframe_ = zeros<PoseCovariance>();
+  Covariance relative_ = zeros<Covariance>();  ///< of the latest, the keyframe's pose being given
   bool known_ = false;
 };
 

@@ -47,7 +47,7 @@ class KeyframeRule {
     using S = typename Window::Scalar;
     const auto distance = [&](int a, int b) {
       const Vec<S, 6> d = minus(window.T_world_body(a), window.T_world_body(b));
-      return d.template head<3>().norm() + d.template tail<3>().norm() / mean_depth;
+      return norm(segment<3>(d, 0)) + norm(segment<3>(d, 3)) / mean_depth;
     };
     const int newest = window.newest(), second = window.before(window[newest].sequence);
     int worst = -1;

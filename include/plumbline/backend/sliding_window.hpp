@@ -61,7 +61,7 @@ class WindowBackend {
     window_.clear();
     links_.deactivate();
     const int slot = insert(t_ns, x, {});
-    Mat<double, state::Pose::dim, state::Pose::dim> J = Mat<double, state::Pose::dim, state::Pose::dim>::Zero();
+    Mat<double, state::Pose::dim, state::Pose::dim> J = zeros<double, state::Pose::dim, state::Pose::dim>();
     for (int k = 0; k < state::Pose::dim; ++k) {
       J(k, k) = 1 / (k < 3 ? options_.sigma_first_rotation : options_.sigma_first_position);
     }
@@ -87,7 +87,7 @@ class WindowBackend {
     const Mat<S, 3, 3> R = window_.T_world_body(oldest).R();
     constexpr int position = 3, place_rows = 4;  // of the pose's increment
     Mat<double, place_rows + Rows, Layout::dim> J;
-    J.setZero();
+    set_zero(J);
     for (int k = 0; k < 3; ++k) {
       J(k, position + k) = 1 / options_.sigma_first_position;
       J(3, k) = double(R(2, k)) / options_.sigma_first_rotation;  // heading: the vertical part of R dphi
@@ -103,7 +103,7 @@ class WindowBackend {
   void hold_distance(int i, int j, double sigma) { prior_.add_distance(window_, i, j, sigma); }
   /// From now on the distance between two frames defines the unit of length: without depth or an IMU nothing else does.
   void hold_scale(int i, int j) {
-    const double distance = double((window_.T_world_body(j).p() - window_.T_world_body(i).p()).norm());
+    const double distance = double(norm(window_.T_world_body(j).p() - window_.T_world_body(i).p()));
     hold_distance(i, j, options_.sigma_first_scale * distance);
   }
 
@@ -255,7 +255,7 @@ class WindowBackend {
     double cost = prior_.cost(window_) + links_.cost(window_);
     if constexpr (has_extrinsics<Layout>) {
       const ExtrinsicsPrior known(options_.extrinsics);
-      if (window_.estimates_extrinsics()) cost += known.cost(window_.extrinsics().correction().template cast<double>());
+      if (window_.estimates_extrinsics()) cost += known.cost(cast_to<double>(window_.extrinsics().correction()));
     }
     return cost;
   }
@@ -269,7 +269,7 @@ class WindowBackend {
   template <int Rows, int Columns>
   void set_prior(int slot, const Mat<double, Rows, Columns>& J) {
     Mat<double, Rows, Layout::dim> widened;
-    widened.setZero();
+    set_zero(widened);
     for (int c = 0; c < Columns; ++c) {
       for (int k = 0; k < Rows; ++k) widened(k, c) = J(k, c);
     }

@@ -55,9 +55,9 @@ struct WindowEquations {
   void add_extrinsics(const Window& window, const ExtrinsicsPrior& prior) {
     if (!window.estimates_extrinsics()) return;
     const Pose E = window.extrinsics().first_estimate().template cast<double>().adjoint();
-    Pose of_all = Pose::Zero();
+    Pose of_all = zeros<Pose>();
     for (int k = 0; k < slots; ++k) {
-      Pose of_frame = Pose::Zero();
+      Pose of_frame = zeros<Pose>();
       for (int j = 0; j < slots; ++j) {
         for (int c = 0; c < state::Pose::dim; ++c) {
           for (int r = 0; r < state::Pose::dim; ++r) {
@@ -70,12 +70,12 @@ struct WindowEquations {
       of_all += of_frame;
     }
     normal.add_block(extrinsics, extrinsics, Pose(E.transpose() * of_all * E));
-    Vec<double, state::Pose::dim> b = Vec<double, state::Pose::dim>::Zero();
+    Vec<double, state::Pose::dim> b = zeros<double, state::Pose::dim>();
     for (int k = 0; k < slots; ++k) {
       for (int c = 0; c < state::Pose::dim; ++c) b[c] += normal.b()[at(k, c)];
     }
     normal.add_gradient(extrinsics, Vec<double, state::Pose::dim>(E.transpose() * b));
-    prior.add_to(window.extrinsics().correction().template cast<double>(), extrinsics, normal);
+    prior.add_to(cast_to<double>(window.extrinsics().correction()), extrinsics, normal);
   }
 
   /// The prior, the rows of the links, and an identity for every parameter that nothing speaks of.
@@ -109,7 +109,7 @@ struct WindowEquations {
   void hold(int block, int first) {
     if (first == Layout::dim) return;
     Mat<double, Layout::dim, Layout::dim> H;
-    H.setZero();
+    set_zero(H);
     for (int c = first; c < Layout::dim; ++c) H(c, c) = 1;
     normal.add_block(block, block, H);
   }

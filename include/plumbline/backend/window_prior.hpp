@@ -29,11 +29,12 @@ class WindowPrior {
   template <int Rows>
   void set(Window& window, int slot, const Mat<double, Rows, frame_dim>& J) {
     prior_.J0.resize(Rows, dim);
-    prior_.J0.setZero();
+    set_zero(prior_.J0);
     for (int c = 0; c < frame_dim; ++c) {
       for (int k = 0; k < Rows; ++k) prior_.J0(k, slot * frame_dim + c) = J(k, c);
     }
-    prior_.r0.setZero(Rows);
+    prior_.r0.resize(Rows);
+    set_zero(prior_.r0);
     prior_.information(H_);
     window.state(slot).fix_first_estimates();
   }
@@ -68,11 +69,11 @@ class WindowPrior {
   void add_distance(Window& window, int i, int j, double sigma) {
     using S = typename Window::Scalar;
     const SE3<S>&T_i = window.T_world_body(i), &T_j = window.T_world_body(j);
-    const Vec<S, 3> u = (T_j.p() - T_i.p()).normalized();
+    const Vec<S, 3> u = normalized(T_j.p() - T_i.p());
     const Vec<S, 3> u_i = T_i.rotation().inverse() * u, u_j = T_j.rotation().inverse() * u;
     Mat<double, 1, frame_dim> J_i, J_j;
-    J_i.setZero();
-    J_j.setZero();
+    set_zero(J_i);
+    set_zero(J_j);
     constexpr int position = 3;  // of the pose's increment
     for (int k = 0; k < 3; ++k) {
       J_i(0, position + k) = -double(u_i[k]) / sigma;
@@ -97,7 +98,7 @@ class WindowPrior {
     e_ = corrections(window);
     if constexpr (has_extrinsics<typename Window::Layout>) {
       E_.set(window.estimates_extrinsics() ? window.extrinsics().first_estimate().template cast<double>().adjoint()
-                                           : Adjoint(Adjoint::Zero()));
+                                           : Adjoint(zeros<Adjoint>()));
     }
   }
 
@@ -152,7 +153,7 @@ class WindowPrior {
   void move_with_extrinsics(int columns, int first) {
     const Adjoint& E = E_.get();
     for (int k = first; k < int(work_.rows()); ++k) {
-      Vec<double, extrinsics_dim> together = Vec<double, extrinsics_dim>::Zero();
+      Vec<double, extrinsics_dim> together = zeros<double, extrinsics_dim>();
       for (int slot = 0; slot < Window::slots; ++slot) {
         for (int c = 0; c < extrinsics_dim; ++c) together[c] += work_(k, columns + slot * frame_dim + c);
       }
@@ -164,7 +165,7 @@ class WindowPrior {
 
   static Vector corrections(const Window& window) {
     Vector e;
-    e.setZero();
+    set_zero(e);
     for (int k = 0; k < Window::slots; ++k) {
       if (!window[k].used) continue;
       const auto correction = window[k].state.correction();

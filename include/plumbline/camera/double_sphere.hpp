@@ -35,7 +35,7 @@ class DoubleSphere {
   Projection<S> project(const Vec<S, 3>& p_cam) const {
     Projection<S> out;
     const S x = p_cam.x(), y = p_cam.y(), z = p_cam.z();
-    const S d1 = p_cam.norm();
+    const S d1 = norm(p_cam);
     out.valid = z > -w2_ * d1 && d1 > S(1e-8);  // (11), false for NaN too
     if (!out.valid) return out;
     const S w = xi_ * d1 + z, d2 = std::sqrt(x * x + y * y + w * w), N = alpha_ * d2 + (1 - alpha_) * w;
@@ -43,7 +43,7 @@ class DoubleSphere {
     if (!out.valid) return out;
     const S iN = 1 / N;
     out.uv << fx * x * iN + cx, fy * y * iN + cy;  // (9)
-    const Vec<S, 3> dw = xi_ / d1 * p_cam + Vec<S, 3>::UnitZ();
+    const Vec<S, 3> dw = xi_ / d1 * p_cam + Vec<S, 3>(0, 0, 1);
     const Vec<S, 3> dN = alpha_ / d2 * (Vec<S, 3>(x, y, 0) + w * dw) + (1 - alpha_) * dw;
     const Vec<S, 3> g = dN * (iN * iN);
     out.J_uv_p << fx * (iN - x * g.x()), -fx * x * g.y(), -fx * x * g.z(),  // (10)

@@ -45,7 +45,7 @@ class Equidistant {
   Projection<S> project(const Vec<S, 3>& p_cam) const {
     Projection<S> out;
     const Vec<S, 2> xy = p_cam.template head<2>();
-    const S z = p_cam.z(), r = xy.norm(), range2 = p_cam.squaredNorm();
+    const S z = p_cam.z(), r = norm(xy), range2 = squared_norm(p_cam);
     const S theta = std::atan2(r, z);
     out.valid = theta < theta_max_ && range2 > tiny * tiny;  // false for NaN too
     if (!out.valid) return out;
@@ -67,11 +67,11 @@ class Equidistant {
     Unprojection<S> out;
     out.valid = false;
     const Vec<S, 2> m((uv.x() - cx) / fx, (uv.y() - cy) / fy);
-    const S radius = m.norm();
+    const S radius = norm(m);
     if (!(radius < distort(theta_max_).value)) return out;  // th_d is increasing: inside, the root exists
     if (radius < tiny) {
       out.valid = true;
-      out.bearing = Vec<S, 3>(m.x(), m.y(), S(1)).normalized();
+      out.bearing = normalized(Vec<S, 3>(m.x(), m.y(), S(1)));
       return out;
     }
     S low = 0, high = theta_max_, theta = std::min(radius, theta_max_ / 2);

@@ -23,8 +23,7 @@ struct NoDistortion {
     Mat<S, 2, 2> J;  ///< derivative of this m by the argument
   };
   Distorted distort(const Vec<S, 2>& m) const {
-    return {m.squaredNorm() <= std::numeric_limits<S>::max(), m,
-            Mat<S, 2, 2>::Identity()};  // false for NaN and infinity
+    return {squared_norm(m) <= std::numeric_limits<S>::max(), m, identity<S, 2>()};  // false for NaN and infinity
   }
   Distorted undistort(const Vec<S, 2>& m_distorted) const { return distort(m_distorted); }
 };
@@ -60,7 +59,7 @@ struct Pinhole {
     Unprojection<S> out;
     out.valid = undistorted.valid;
     if (!out.valid) return out;
-    out.bearing = Vec<S, 3>(undistorted.m.x(), undistorted.m.y(), S(1)).normalized();
+    out.bearing = normalized(Vec<S, 3>(undistorted.m.x(), undistorted.m.y(), S(1)));
     return out;
   }
 };

@@ -42,7 +42,7 @@ class RadTan {
 
   /// m' and d m' / d m.
   Distorted distort(const Vec<S, 2>& m) const {
-    const S x = m.x(), y = m.y(), q = m.squaredNorm();
+    const S x = m.x(), y = m.y(), q = squared_norm(m);
     const S d = 1 + q * (k1_ + q * (k2_ + q * k3_)), dd = k1_ + q * (2 * k2_ + q * 3 * k3_);  // (3)
     const S o = 2 * (x * y * dd + p1_ * x + p2_ * y);
     Distorted out;
@@ -64,9 +64,9 @@ class RadTan {
       const S det = forward.J(0, 0) * forward.J(1, 1) - forward.J(0, 1) * forward.J(1, 0);
       if (!(det > 0)) return out;
       out.J << forward.J(1, 1), -forward.J(0, 1), -forward.J(1, 0), forward.J(0, 0);
-      out.J /= det;
+      out.J = out.J / det;
       const Vec<S, 2> step = out.J * Vec<S, 2>(m_distorted - forward.m);
-      out.valid = forward.valid && step.squaredNorm() <= tolerance * tolerance * (1 + out.m.squaredNorm());
+      out.valid = forward.valid && squared_norm(step) <= tolerance * tolerance * (1 + squared_norm(out.m));
       if (out.valid) return out;
       out.m += step;
     }

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cmath>
 
+#include "plumbline/core/matrix_functions.hpp"
 #include "plumbline/core/matrix_operators.hpp"
 #include "plumbline/core/matrix_types.hpp"
 

@@ -6,6 +6,8 @@
 ///
 /// Two absent members of one class need different tags: two empty members of one type need two addresses.
 
+#include "plumbline/core/matrix_functions.hpp"
+
 namespace plumbline {
 
 namespace detail {
@@ -13,7 +15,7 @@ namespace detail {
 template <class T>
 T nothing() {
   if constexpr (requires { T::Zero(); }) {
-    return T::Zero();
+    return zeros<T>();
   } else {
     return T{};
   }

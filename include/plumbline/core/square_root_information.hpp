@@ -16,7 +16,7 @@ namespace plumbline {
 template <class S, int N>
 Result<Mat<S, N, N>> square_root_information(const Mat<S, N, N>& covariance) {
   S C[N][N];
-  Mat<S, N, N> L = Mat<S, N, N>::Zero();
+  Mat<S, N, N> L = zeros<S, N, N>();
   for (int i = 0; i < N; ++i) {
     for (int j = 0; j < i; ++j) {
       S sum = S(0);

@@ -185,7 +185,7 @@ class Beginning {
       if constexpr (Start::needs_second_view) {
         // On the way here scale and vertical were what they were taken for; the heading's axis is tilted, say half way.
         const SE3<S>& T = odometry.window().T_world_body(odometry.window().oldest());
-        const double travelled = double((T.p() - T_world_start_.p()).norm());
+        const double travelled = double(norm(T.p() - T_world_start_.p()));
         odometry.origin.doubt(T, S(start_.scale_sigma() * travelled), S(0.5 * start_.gravity_sigma()));
       }
       finish(view);
@@ -227,7 +227,7 @@ class Beginning {
     if (!start_.has_estimate()) return;
     State x = state_of(odometry.window().latest().T_world_body, odometry.rig_state.T_body_cam());
     x.v_world_body = T_world_start_.rotation() * start_.latest_velocity();
-    const double travelled = double((x.T_world_body.p() - T_world_start_.p()).norm());
+    const double travelled = double(norm(x.T_world_body.p() - T_world_start_.p()));
     publish(odometry, x, start_.gravity_sigma(),
             start_.scale_sigma() * travelled + odometry.options.motion.rest_position_sigma);
     odometry.set_health(HealthState::degraded, HealthReason::scale_uncertain);
@@ -239,7 +239,7 @@ class Beginning {
     estimate.v_world_body = x.v_world_body;
     estimate.bias_gyro = x.bias_gyro;
     estimate.bias_accel = x.bias_accel;
-    typename Odometry::Covariance P = Odometry::Covariance::Zero();
+    typename Odometry::Covariance P = zeros<typename Odometry::Covariance>();
     for (int k = 0; k < 3; ++k) {
       P(k, k) = S(tilt_sigma * tilt_sigma);
       P(3 + k, 3 + k) = S(place_sigma * place_sigma);
@@ -252,7 +252,7 @@ class Beginning {
     if constexpr (Start::needs_second_view) {
       const auto& window = odometry.window();
       const int oldest = window.oldest(), newest = window.newest();
-      const double distance = double((window.T_world_body(newest).p() - window.T_world_body(oldest).p()).norm());
+      const double distance = double(norm(window.T_world_body(newest).p() - window.T_world_body(oldest).p()));
       const double noise = start_.options().alignment.position_sigma * double(start_.scale());
       if (oldest != newest)
         odometry.backend.hold_distance(

@@ -173,7 +173,7 @@ class Odometry {
     good_ns_ = view.t_ns;
     publish(view.t_ns);
     Covariance covariance;
-    if (!backend.covariance_of_newest(covariance)) covariance.setIdentity();
+    if (!backend.covariance_of_newest(covariance)) set_identity(covariance);
     publish(covariance);
   }
   void stay_in_window(const View<Sensors>& view) {
@@ -244,7 +244,7 @@ class Odometry {
     const int slot = backend.start(view.t_ns, x);
     window().set_latest(slot);
     front_ends.detect(view, window(), landmarks, slot);
-    keyframe_covariance_.setZero();
+    set_zero(keyframe_covariance_);
     return slot;
   }
 
@@ -293,7 +293,7 @@ class Odometry {
   KeyframeRule rule_;
   int keyframe_ = 0, temporary_ = none;  ///< slots of the last keyframe, and of the latest frame when it is none
   int tracked_at_keyframe_ = 0;
-  Covariance keyframe_covariance_ = Covariance::Zero();
+  Covariance keyframe_covariance_ = zeros<Covariance>();
   TimeNs good_ns_ = 0;  ///< of the last frame whose image was of use
 };
 

@@ -37,12 +37,12 @@ class CollinearTerms {
       for (auto& member : line.appearance.points) {
         const int p = index_of(points, member);
         if (p < 0 || !points.landmarks()[p].takes_part()) continue;
-        const S error = whitened(line, points.landmarks()[p], member, views).squaredNorm();
+        const S error = squared_norm(whitened(line, points.landmarks()[p], member, views));
         if (!(error < max_error * max_error)) continue;
         int& tie = of_point_[static_cast<std::size_t>(p)];
         if (tie == none) {
           tie = static_cast<int>(ties_.size());
-          ties_.push_back({static_cast<int>(i), p, member, error, {}, Vec<double, line_dim>::Zero()});
+          ties_.push_back({static_cast<int>(i), p, member, error, {}, zeros<double, line_dim>()});
         } else if (error < ties_[tie].error) {
           ties_[tie].line = static_cast<int>(i);
           ties_[tie].member = member;
@@ -63,7 +63,7 @@ class CollinearTerms {
                 : CollinearPoint<S>::linearize(views(point.anchor, line.anchor), line.geometry.line,
                                                point.geometry.bearing, point.geometry.inverse_range);
       lin.r[0] -= tie.member.offset;
-      const S sigma = tie.member.sigma(), squared = lin.r.squaredNorm() / (sigma * sigma);
+      const S sigma = tie.member.sigma(), squared = squared_norm(lin.r) / (sigma * sigma);
       const S scale = std::sqrt(Kind::point_loss.weight(squared)) / sigma;
       cost += double(Kind::point_loss.rho(squared)) / 2;
       lin.r *= scale;
@@ -78,7 +78,7 @@ class CollinearTerms {
     double sum = 0;
     for (const Tie& tie : ties_) {
       sum += double(Kind::point_loss.rho(
-          whitened(lines.landmarks()[tie.line], points.landmarks()[tie.point], tie.member, views).squaredNorm()));
+          squared_norm(whitened(lines.landmarks()[tie.line], points.landmarks()[tie.point], tie.member, views))));
     }
     return sum / 2;
   }
@@ -107,7 +107,7 @@ class CollinearTerms {
       }
       tie.by_line = of_point.absorb(by_point, rows).transpose();
       Rows<1> left{rows.touched, rows.J, {}, rows.r};
-      for (auto& nothing : left.J_other) nothing.setZero();
+      for (auto& nothing : left.J_other) set_zero(nothing);
       of_line.absorb(rows.J_other, left);
       left.add_to(normal);
     }
@@ -119,7 +119,7 @@ class CollinearTerms {
     double change = 0;
     for (const Tie& tie : ties_) {
       const Vec<S, line_dim>& d_line = line_terms.step_of(tie.line);
-      Vec<double, 1> by_line = Vec<double, 1>::Zero();
+      Vec<double, 1> by_line = zeros<double, 1>();
       for (int c = 0; c < line_dim; ++c) by_line[0] += tie.by_line[c] * double(d_line[c]);
       change += point_terms.solve_again(tie.point, d, stride, by_line);
     }
@@ -134,7 +134,7 @@ class CollinearTerms {
       for (std::size_t k = members.size(); k-- > 0;) {
         const int p = index_of(points, members[k]);
         if (p < 0 || !points.landmarks()[p].takes_part()) continue;
-        const bool fits = whitened(line, points.landmarks()[p], members[k], views).norm() < S(3);
+        const bool fits = norm(whitened(line, points.landmarks()[p], members[k], views)) < S(3);
         members[k].misfits = fits ? 0 : members[k].misfits + 1;
         if (members[k].misfits >= max_misfits) members.swap_remove(k);
       }

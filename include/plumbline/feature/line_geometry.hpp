@@ -15,9 +15,9 @@ namespace plumbline {
 
 template <class S>
 struct LineGeometry {
-  Line3<S> line;                                   ///< from start to end
-  Mat<S, 4, 4> covariance = Mat<S, 4, 4>::Zero();  ///< of its increment, given the poses
-  Vec<S, 2> extent = Vec<S, 2>::Zero();            ///< start and end of what was seen last, see `at` [m]
+  Line3<S> line;                               ///< from start to end
+  Mat<S, 4, 4> covariance = zeros<S, 4, 4>();  ///< of its increment, given the poses
+  Vec<S, 2> extent = zeros<S, 2>();            ///< start and end of what was seen last, see `at` [m]
 
   /// The point of the line `along` from the one that is nearest to the camera [m].
   Vec<S, 3> at(S along) const { return line.closest_point() + along * line.direction(); }
@@ -31,7 +31,7 @@ struct LineGeometry {
     for (int i = 0; i < 2; ++i) {
       const Vec<S, 3>& bearing = i == 0 ? bearing_start : bearing_end;
       if (!line_visible(in_camera, bearing)) continue;
-      const S along = line.direction().dot(T_anchor_camera * in_camera.point_along(bearing));
+      const S along = dot(line.direction(), T_anchor_camera * in_camera.point_along(bearing));
       if (std::abs(along) < max_extent) extent[i] = along;  // false for NaN
     }
   }
@@ -41,13 +41,13 @@ struct LineGeometry {
   /// slopes.                                                                                                 (30)
   Vec<S, 6> slope(const LineReprojection<S>& seen, const Mat<S, 3, 2>& bearing_slope) const {
     const Plucker<S> plucker = line.plucker();
-    Vec<S, 6> out = Vec<S, 6>::Zero();
+    Vec<S, 6> out = zeros<S, 6>();
     if (!line_visible(plucker, seen.bearing_start) || !line_visible(plucker, seen.bearing_end)) return out;
     const Vec<S, 3> p = plucker.point_along(seen.bearing_start), q = plucker.point_along(seen.bearing_end),
-                    p_slope = p.norm() * bearing_slope.col(0), q_slope = q.norm() * bearing_slope.col(1);
-    const S scale = plucker.v.norm() / (q - p).norm();
+                    p_slope = norm(p) * column(bearing_slope, 0), q_slope = norm(q) * column(bearing_slope, 1);
+    const S scale = norm(plucker.v) / norm(q - p);
     out << scale * (p_slope.cross(q) + p.cross(q_slope)), scale * (q_slope - p_slope);
-    return all_finite(out) ? out : Vec<S, 6>(Vec<S, 6>::Zero());
+    return all_finite(out) ? out : zeros<S, 6>();
   }
   void change(const Vec<S, 6>& d) {
     const Plucker<S> plucker = line.plucker();
@@ -59,17 +59,17 @@ struct LineGeometry {
     const S d = line.distance();
     const Plucker<S> plucker = line.plucker();
     line = Line3<S>(Plucker<S>{scale * plucker.n, plucker.v});
-    extent *= scale;
+    extent = scale * extent;
     const S slope = scale * (1 + d * d) / (1 + scale * scale * d * d);
-    covariance.col(3) *= slope;
-    covariance.row(3) *= slope;
+    for (int k = 0; k < 4; ++k) covariance(k, 3) *= slope;
+    for (int k = 0; k < 4; ++k) covariance(3, k) *= slope;
   }
 
   /// The distances of both ends of the anchor's segment are known to a third, and the line keeps clear of the camera.
   bool is_sound(const LineReprojection<S>& seen) const {
     if (!(line.distance() > S(0.02)) || !all_finite(covariance)) return false;
     const LineInverseDepth<S> ends{seen.bearing_start / seen.bearing_start.z(), seen.bearing_end / seen.bearing_end.z(),
-                                   Vec<S, 2>::Zero()};
+                                   zeros<S, 2>()};
     const auto inverse_depth = AnchoredLine<LineInverseDepth<S>>{ends}.linearize_in_anchor(line);
     if (!inverse_depth.valid) return false;
     for (int i = 0; i < 2; ++i) {

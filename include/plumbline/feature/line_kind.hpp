@@ -54,7 +54,7 @@ struct LineKind {
 
   /// Of the part that was seen last, in the anchor's camera [m].
   static Vec<S, 3> middle(const Geometry& line) { return line.middle(); }
-  static S inverse_range(const Geometry& line) { return S(1) / line.middle().norm(); }
+  static S inverse_range(const Geometry& line) { return S(1) / norm(line.middle()); }
   static void rescale(Geometry& line, S scale) { line.rescale(scale); }
   static void change_readout(Geometry& line, const Observation& seen_by_anchor, S change_s) {
     line.change(Vec<S, 6>(change_s * slope_of(line, seen_by_anchor)));
@@ -111,7 +111,7 @@ struct LineKind {
   /// (31)
   template <class Rows>
   static void add_damping(Rows& rows) {
-    rows.template add<dim>(Mat<S, dim, dim>::Identity(), Vec<S, dim>::Zero());
+    rows.template add<dim>(identity<S, dim>(), zeros<S, dim>());
   }
 
   static double cost_in_anchor(const InAnchor& line, const Observation& seen) {
@@ -130,7 +130,7 @@ struct LineKind {
   }
   static void keep_fitting(const Sensors&, const InAnchor& line, Observation& seen, const RelativeView<S>& view) {
     const Errors errors = errors_of(seen, line_in_target(view, line.plucker));
-    seen.valid = errors.valid && errors.pixels.squaredNorm() < drop_chi2;
+    seen.valid = errors.valid && squared_norm(errors.pixels) < drop_chi2;
     keep_fitting_depth(errors, seen);
   }
 
@@ -157,12 +157,12 @@ struct LineKind {
     const LineReprojection<S>& pixels = line.seen.pixels.measured;
     const auto lin = WorldLine<LineReprojection<S>>{pixels}.linearize(view, line.line);
     if (!lin.valid) return {};
-    Vec<S, 2> by_readout = Vec<S, 2>::Zero();
+    Vec<S, 2> by_readout = zeros<S, 2>();
     if constexpr (Sensors::rolls) {
-      const Vec<S, 3> nh = line_in_camera(view, line.line).n.normalized();
+      const Vec<S, 3> nh = normalized(line_in_camera(view, line.line).n);
       by_readout = lin.J_r_line * line.slope.get();
       const Mat<S, 3, 2>& slope = line.seen.bearing_slope.get();
-      for (int i = 0; i < 2; ++i) by_readout[i] += pixels.px_per_rad[i] * nh.dot(slope.col(i));
+      for (int i = 0; i < 2; ++i) by_readout[i] += pixels.px_per_rad[i] * dot(nh, column(slope, i));
     }
     return whitened(lin, by_readout, line.seen.pixels.covariance, line);
   }
@@ -170,7 +170,7 @@ struct LineKind {
   /// Root mean square of the same residual, before it is whitened.
   static double error_px(const Sensors&, const BodyView<S>& view, const InWorld& line) {
     const Vec<S, 2> r = line.seen.pixels.measured.residual(line_in_camera(view, line.line));
-    return double(r.norm()) / std::sqrt(2.0);
+    return double(norm(r)) / std::sqrt(2.0);
   }
 
   static constexpr int depth_dim = Observation::measures_depth ? 2 : 0;
@@ -179,12 +179,12 @@ struct LineKind {
     const auto& depth = line.seen.depth.get();
     const auto lin = WorldLine<LineInverseDepth<S>>{depth.measured}.linearize(view, line.line);
     if (!lin.valid) return {};
-    return whitened(lin, Vec<S, 2>::Zero(), depth.covariance, line);
+    return whitened(lin, zeros<S, 2>(), depth.covariance, line);
   }
 
   /// d(n; v)/d readout in the anchor.
   static Vec<S, 6> slope_of(const Geometry& line, const Observation& seen_by_anchor) {
-    if (!seen_by_anchor.valid) return Vec<S, 6>::Zero();
+    if (!seen_by_anchor.valid) return zeros<S, 6>();
     return line.slope(seen_by_anchor.pixels.measured, seen_by_anchor.bearing_slope.get());
   }
 
@@ -201,7 +201,7 @@ struct LineKind {
 
   static Errors errors_of(const Observation& seen, const Plucker<S>& line) {
     const LineReprojection<S>& pixels = seen.pixels.measured;
-    Errors out{line_visible<S>(line, pixels.bearing_start + pixels.bearing_end), Vec<S, 2>::Zero(), Vec<S, 2>::Zero()};
+    Errors out{line_visible<S>(line, pixels.bearing_start + pixels.bearing_end), zeros<S, 2>(), zeros<S, 2>()};
     if (!out.valid) return out;
     out.pixels = seen.pixels.L * pixels.residual(line);
     const auto& depth = seen.depth.get();
@@ -209,10 +209,10 @@ struct LineKind {
     return out;
   }
   static double cost_of(const Errors& errors) {
-    return (pixel_loss.rho(errors.pixels.squaredNorm()) + depth_loss.rho(errors.depth.squaredNorm())) / 2;
+    return (pixel_loss.rho(squared_norm(errors.pixels)) + depth_loss.rho(squared_norm(errors.depth))) / 2;
   }
   static void keep_fitting_depth(const Errors& errors, Observation& seen) {
-    if (seen.has_depth() && !(errors.depth.squaredNorm() < drop_chi2)) seen.forget_depth();
+    if (seen.has_depth() && !(squared_norm(errors.depth) < drop_chi2)) seen.forget_depth();
   }
 
   /// Rows of one measurement with whitened errors r.
@@ -221,7 +221,7 @@ struct LineKind {
                             Rows& rows) {
     const auto lin = AnchoredLine<Measurement>{seen.measured}.linearize_in_anchor(line);
     if (!lin.valid) return false;
-    const S w = std::sqrt(pixel_loss.weight(r.squaredNorm()));
+    const S w = std::sqrt(pixel_loss.weight(squared_norm(r)));
     const Mat<S, 2, 2> wL = w * seen.L;
     return rows.template add<2>(Mat<S, 2, dim>(wL * lin.J_r_line), Vec<S, 2>(w * r));
   }
@@ -230,7 +230,7 @@ struct LineKind {
                             const RelativeView<S>& view, int slot, Rows& rows) {
     const auto lin = AnchoredLine<Measurement>{seen.measured}.linearize_in_target(view, line);
     if (!lin.valid) return false;
-    const S w = std::sqrt(pixel_loss.weight(r.squaredNorm()));
+    const S w = std::sqrt(pixel_loss.weight(squared_norm(r)));
     const Mat<S, 2, 2> wL = w * seen.L;
     return rows.template add<2>(slot, Mat<S, 2, 6>(wL * lin.J_r_target), Mat<S, 2, dim>(wL * lin.J_r_line),
                                 Vec<S, 2>(w * r));

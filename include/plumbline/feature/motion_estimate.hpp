@@ -45,7 +45,7 @@ class MotionEstimate {
       Vec<S, dim> d;
       if (!system.solve(d)) return HealthReason::unconstrained;
       T = plus(T, d);
-      if (d.norm() < S(options_.step_tolerance)) break;
+      if (norm(d) < S(options_.step_tolerance)) break;
     }
     int inliers = 0;
     const BodyView<S> body(T, T_body_cam);
@@ -67,9 +67,13 @@ class MotionEstimate {
  private:
   static void add(const PosePrior<S>& prior, const SE3<S>& T_predicted, const SE3<S>& T,
                   DenseNormalEquations<S, dim>& system) {
-    const Vec<S, dim> weight = prior.sigma.cwiseInverse();
-    const Mat<S, dim, dim> J = weight.asDiagonal() * minus_jacobian(T, T_predicted);
-    system.add(J, Vec<S, dim>(weight.cwiseProduct(minus(T, T_predicted))), S(1));
+    Vec<S, dim> weight;
+    Mat<S, dim, dim> J = minus_jacobian(T, T_predicted);
+    for (int k = 0; k < dim; ++k) {
+      weight[k] = S(1) / prior.sigma[k];
+      for (int c = 0; c < dim; ++c) J(k, c) *= weight[k];
+    }
+    system.add(J, cwise_product(weight, minus(T, T_predicted)), S(1));
   }
 
   MotionOptions options_;

@@ -53,7 +53,7 @@ class MotionTerms {
     errors_.clear();
     for (const Item& item : items_) {
       const auto rows = Kind::pixel_rows(rig, view, item.landmark);
-      errors_.push_back(rows.valid ? rows.r.squaredNorm() : std::numeric_limits<S>::infinity());
+      errors_.push_back(rows.valid ? squared_norm(rows.r) : std::numeric_limits<S>::infinity());
     }
     sorted_ = errors_;
     const std::size_t middle = sorted_.size() / 2;
@@ -81,7 +81,7 @@ class MotionTerms {
   static void add(const WhitenedRows<S, Rows, L>& rows, const Loss& loss, DenseNormalEquations<S, Dim>& system) {
     static_assert(Dim <= L::dim, "plumbline: these rows do not know all parameters of the system");
     if (!rows.valid) return;
-    const S s = rows.r.squaredNorm();
+    const S s = squared_norm(rows.r);
     system.add(block<Rows, Dim>(rows.J, 0, 0), rows.r, loss.weight(s));
     system.add_cost(loss.rho(s));
   }

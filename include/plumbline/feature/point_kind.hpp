@@ -46,7 +46,7 @@ struct PointKind {
   static constexpr Loss<S> pixel_loss = loss_for<Loss, S, 2>, depth_loss = loss_for<Loss, S, 1>;
 
   struct Geometry {
-    Vec<S, 3> bearing = Vec<S, 3>::UnitZ();                                  ///< unit, anchor camera
+    Vec<S, 3> bearing = Vec<S, 3>(0, 0, 1);                                  ///< unit, anchor camera
     S inverse_range = S(0);                                                  ///< lambda [1/m]
     S sigma_inverse_range = S(0);                                            ///< given the poses [1/m]
     [[no_unique_address]] Present<Vec<S, 3>, Sensors::rolls> bearing_slope;  ///< d bearing / d readout [1/s]
@@ -62,9 +62,9 @@ struct PointKind {
     point.sigma_inverse_range /= scale;
   }
   static void change_readout(Geometry& point, const Observation&, S change_s) {
-    point.bearing = (point.bearing + change_s * point.bearing_slope.get()).normalized();
+    point.bearing = normalized(point.bearing + change_s * point.bearing_slope.get());
   }
-  static double motion_px(const Observation& then, const Observation& now) { return (now.pixel - then.pixel).norm(); }
+  static double motion_px(const Observation& then, const Observation& now) { return norm(now.pixel - then.pixel); }
 
   static void step(Geometry& point, const Vec<S, dim>& d) {
     if (d[0] != S(0)) point.inverse_range = std::clamp(point.inverse_range + d[0], lambda_min, lambda_max);
@@ -99,10 +99,10 @@ struct PointKind {
                          const RelativeView<S>& view, int slot, Rows& rows) {
     const S lambda = point.inverse_range;
     const Vec<S, 3> P = view.scaled_point(point.bearing, lambda);
-    const auto pixel = InverseDepthReprojection<Camera>{seen.uv.template cast<S>()}.linearize(rig.vision.camera, P);
+    const auto pixel = InverseDepthReprojection<Camera>{cast_to<S>(seen.uv)}.linearize(rig.vision.camera, P);
     if (!pixel.valid) return invalid_cost;
     const Vec<S, 2> r = whitened(seen, pixel.r);
-    const S w = std::sqrt(pixel_loss.weight(r.squaredNorm()));
+    const S w = std::sqrt(pixel_loss.weight(squared_norm(r)));
     Mat<S, rows_per_view, 3> J_P;
     Vec<S, rows_per_view> J_lambda, weighted;
     for (int k = 0; k < 2; ++k) {
@@ -110,7 +110,7 @@ struct PointKind {
       for (int c = 0; c < 3; ++c) J_P(k, c) = wL0 * pixel.J_r_P(0, c) + wL1 * pixel.J_r_P(1, c);
       weighted[k] = w * r[k];
     }
-    double cost = double(pixel_loss.rho(r.squaredNorm())) / 2;
+    double cost = double(pixel_loss.rho(squared_norm(r))) / 2;
     bool has_depth = false;
     if constexpr (Sensors::has_depth) {
       const InverseDepth<S>& measured = seen.depth.get();
@@ -150,14 +150,14 @@ struct PointKind {
   static double cost(const Sensors& rig, const InAnchor& point, const Observation& seen, const RelativeView<S>& view) {
     const Errors errors = errors_of(rig, point, seen, view);
     if (!errors.valid) return invalid_cost;
-    return double(pixel_loss.rho(errors.pixel.squaredNorm()) + depth_loss.rho(errors.depth * errors.depth)) / 2;
+    return double(pixel_loss.rho(squared_norm(errors.pixel)) + depth_loss.rho(errors.depth * errors.depth)) / 2;
   }
 
   /// Drops what does not belong.
   static void keep_fitting_in_anchor(const InAnchor&, Observation&) {}
   static void keep_fitting(const Sensors& rig, const InAnchor& point, Observation& seen, const RelativeView<S>& view) {
     const Errors errors = errors_of(rig, point, seen, view);
-    seen.valid = errors.valid && errors.pixel.squaredNorm() < drop_chi2;
+    seen.valid = errors.valid && squared_norm(errors.pixel) < drop_chi2;
   }
 
   // --------------------------------------------------------------------------------------------- in one frame
@@ -183,12 +183,11 @@ struct PointKind {
 
   static WhitenedRows<S, 2, Motion> pixel_rows(const Sensors& rig, const BodyView<S>& view, const InWorld& point) {
     const Observation& seen = point.seen;
-    const auto lin =
-        PointReprojection<Camera>{seen.uv.template cast<S>()}.linearize(rig.vision.camera, view, point.p_world);
+    const auto lin = PointReprojection<Camera>{cast_to<S>(seen.uv)}.linearize(rig.vision.camera, view, point.p_world);
     if (!lin.valid) return {};
-    const Mat<S, 2, 2> L = seen.L.template cast<S>();
+    const Mat<S, 2, 2> L = cast_to<S>(seen.L);
     const Vec<S, 2> j = L * (lin.J_r_point * point.sigma_world);
-    const S jj = j.squaredNorm();
+    const S jj = squared_norm(j);
     Mat<S, 2, 2> W = L;
     if (jj > S(1e-12)) {
       const S shrink = (S(1) - S(1) / std::sqrt(S(1) + jj)) / jj;
@@ -197,15 +196,15 @@ struct PointKind {
         for (int i = 0; i < 2; ++i) W(i, c) -= along * j[i];  // (10)
       }
     }
-    const Vec<S, 2> slope = lin.J_r_point * point.slope_world.get() - seen.uv_slope.get().template cast<S>();
+    const Vec<S, 2> slope = lin.J_r_point * point.slope_world.get() - cast_to<S>(seen.uv_slope.get());
     return WhitenedRows<S, 2, Motion>::of(W, lin.r, lin.J_r_pose, slope);
   }
 
   /// Of the same residual, before it is whitened.
   static double error_px(const Sensors& rig, const BodyView<S>& view, const InWorld& point) {
     const auto lin =
-        PointReprojection<Camera>{point.seen.uv.template cast<S>()}.linearize(rig.vision.camera, view, point.p_world);
-    return lin.valid ? double(lin.r.norm()) : 0;
+        PointReprojection<Camera>{cast_to<S>(point.seen.uv)}.linearize(rig.vision.camera, view, point.p_world);
+    return lin.valid ? double(norm(lin.r)) : 0;
   }
 
   static constexpr int depth_dim = 1;
@@ -231,7 +230,7 @@ struct PointKind {
   /// Whitened errors of one observation besides the anchor's.
   struct Errors {
     bool valid = false;
-    Vec<S, 2> pixel = Vec<S, 2>::Zero();
+    Vec<S, 2> pixel = zeros<S, 2>();
     S depth = S(0);  ///< zero where none was measured
   };
 
@@ -248,7 +247,7 @@ struct PointKind {
     Errors out;
     out.valid = projection.valid;
     if (!out.valid) return out;
-    out.pixel = whitened(seen, Vec<S, 2>(projection.uv - seen.uv.template cast<S>()));
+    out.pixel = whitened(seen, Vec<S, 2>(projection.uv - cast_to<S>(seen.uv)));
     const InverseDepth<S>& depth = seen.depth.get();
     if (depth.valid) out.depth = (point.inverse_range / P.z() - depth.value) / depth.sigma;
     return out;

@@ -26,9 +26,9 @@ struct SegmentMeasurement {
   using S = typename Measurement::Scalar;
 
   bool valid = false;
-  Measurement measured{Vec<S, 3>::Zero(), Vec<S, 3>::Zero(), Vec<S, 2>::Zero()};
-  Mat<S, 2, 2> covariance = Mat<S, 2, 2>::Zero();
-  Mat<S, 2, 2> L = Mat<S, 2, 2>::Zero();  ///< L^T L is its inverse
+  Measurement measured{zeros<S, 3>(), zeros<S, 3>(), zeros<S, 2>()};
+  Mat<S, 2, 2> covariance = zeros<S, 2, 2>();
+  Mat<S, 2, 2> L = zeros<S, 2, 2>();  ///< L^T L is its inverse
 
   SegmentMeasurement() = default;
   /// Not valid where the covariance is not positive definite.
@@ -73,8 +73,8 @@ struct SegmentObservation : SeenProfile<has_profile> {
 
   /// All errors of the pixels are `scale` times those expected.
   void scale_sigma(S scale) {
-    pixels.covariance *= scale * scale;
-    pixels.L /= scale;
+    pixels.covariance = pixels.covariance * (scale * scale);
+    pixels.L = pixels.L / scale;
   }
 
   /// The readout time turned out to be `change_s` longer.
@@ -82,8 +82,8 @@ struct SegmentObservation : SeenProfile<has_profile> {
     if (!valid) return;
     const Mat<S, 3, 2>& slope = bearing_slope.get();
     LineReprojection<S>& seen = pixels.measured;
-    seen.bearing_start = (seen.bearing_start + change_s * slope.col(0)).normalized();
-    seen.bearing_end = (seen.bearing_end + change_s * slope.col(1)).normalized();
+    seen.bearing_start = normalized(seen.bearing_start + change_s * column(slope, 0));
+    seen.bearing_end = normalized(seen.bearing_end + change_s * column(slope, 1));
     if (!has_depth()) return;
     SegmentMeasurement<LineInverseDepth<S>> moved = depth.get();
     moved.measured = rays_with(seen, moved.measured.inverse_depth_measured);

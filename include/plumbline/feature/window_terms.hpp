@@ -59,7 +59,7 @@ class WindowTerms {
   double solve(const Store& store, const Vector& d, int stride) {
     double predicted = 0;
     for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
-      steps_[i].setZero();
+      set_zero(steps_[i]);
       if (eliminations_[i].rows() == 0) continue;
       steps_[i] = eliminations_[i].back_substitute(d, stride);
       predicted += eliminations_[i].predicted_decrease(steps_[i]);

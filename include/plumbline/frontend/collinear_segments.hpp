@@ -171,8 +171,8 @@ class CollinearSegments {
   /// Of a pixel to a segment, not to the line beyond its ends.
   static float distance_to(const LineSegment& segment, const Vec<float, 2>& uv) {
     const Vec<float, 2> extent = segment.end - segment.start, off = uv - segment.start;
-    const float along = std::clamp(off.dot(extent) / extent.squaredNorm(), 0.0f, 1.0f);
-    return (off - along * extent).norm();
+    const float along = std::clamp(dot(off, extent) / squared_norm(extent), 0.0f, 1.0f);
+    return norm(off - along * extent);
   }
   Members members_of(std::size_t segment, const auto& points) const {
     Members out;
@@ -191,11 +191,11 @@ class CollinearSegments {
       const auto& first = points.landmarks()[static_cast<std::size_t>(index_of(points, members[a]))];
       for (std::size_t b = 0; b < a; ++b) {
         const auto& second = points.landmarks()[static_cast<std::size_t>(index_of(points, members[b]))];
-        if (!((first.current.pixel - second.current.pixel).norm() > options_.separation_px)) continue;
+        if (!(norm(first.current.pixel - second.current.pixel) > options_.separation_px)) continue;
         if (slot == nullptr) return true;
         const auto &then = first.observations[static_cast<std::size_t>(*slot)],
                    &there = second.observations[static_cast<std::size_t>(*slot)];
-        if (!then.valid || !there.valid || (then.pixel - there.pixel).norm() > options_.separation_px) return true;
+        if (!then.valid || !there.valid || norm(then.pixel - there.pixel) > options_.separation_px) return true;
       }
     }
     return false;
@@ -215,7 +215,7 @@ class CollinearSegments {
       if (i < 0) continue;
       const auto& point = points.landmarks()[static_cast<std::size_t>(i)];
       if (!point.current.valid) continue;
-      const float along = d.dot(point.current.pixel);
+      const float along = dot(d, point.current.pixel);
       const Vec<float, 2> on_line = point.current.pixel - member.offset_px * n_px;
       if (n == 0 || along < from) {
         from = along;
@@ -232,7 +232,7 @@ class CollinearSegments {
     landmark.current.valid = false;
     if (n < 2 || !(to - from > options_.separation_px)) return;
     const float widened = float(options_.sigma_points * options_.sigma_points);
-    Mat<float, 2, 2> covariance = Mat<float, 2, 2>::Zero();
+    Mat<float, 2, 2> covariance = zeros<float, 2, 2>();
     covariance(0, 0) = widened * sigma_start * sigma_start;
     covariance(1, 1) = widened * sigma_end * sigma_end;
     measure_segment(view, segment, covariance, landmark.current);
@@ -292,14 +292,14 @@ class CollinearSegments {
   /// when its place is not known.
   bool agrees(const View<Sensors>& view, const auto& window, const Landmark& landmark, int slot,
               const Observation& seen) const {
-    if (!landmark.located) return landmark.seen_by_anchor().segment.direction().dot(seen.segment.direction()) > 0;
+    if (!landmark.located) return dot(landmark.seen_by_anchor().segment.direction(), seen.segment.direction()) > 0;
     const SE3<S> T_cam_anchor = (window.T_world_body(slot) * view.T_body_cam).inverse() *
                                 (window.T_world_body(landmark.anchor) * view.T_body_cam);
     const Plucker<S> line = T_cam_anchor * landmark.geometry.line.plucker();
     const LineReprojection<S>& pixels = seen.pixels.measured;
     const Vec<S, 2> r = pixels.residual(line);
     return std::abs(r[0]) < S(options_.same_line_px) && std::abs(r[1]) < S(options_.same_line_px) &&
-           line.n.dot(pixels.bearing_start.cross(pixels.bearing_end)) > S(0);
+           dot(line.n, pixels.bearing_start.cross(pixels.bearing_end)) > S(0);
   }
   /// The segments and points of one line become those of another, if it is seen where all of them are.
   void merge(const View<Sensors>& view, const auto& window, Landmark& line, Landmark& other) const {
@@ -332,7 +332,7 @@ class CollinearSegments {
     if (!seen.valid || seen.from_points) return;
     const LineReprojection<S>& pixels = seen.pixels.measured;
     FixedVector<InAnchor, Kind::max_points> members;
-    Vec<S, 3> start = Vec<S, 3>::Zero(), end = start;
+    Vec<S, 3> start = zeros<S, 3>(), end = start;
     S from = S(0), to = S(0);
     for (auto& member : landmark.appearance.points) {
       const int i = index_of(points, member);
@@ -342,7 +342,7 @@ class CollinearSegments {
       const RelativeView<S> to_line(window.T_world_body(point.anchor), window.T_world_body(landmark.anchor),
                                     view.T_body_cam);
       const Vec<S, 3> X = to_line.scaled_point(at.bearing, at.inverse_range) / at.inverse_range;
-      const S along = (pixels.bearing_end - pixels.bearing_start).dot(X) / X.norm();
+      const S along = dot(pixels.bearing_end - pixels.bearing_start, X) / norm(X);
       if (members.empty() || along < from) from = along, start = X;
       if (members.empty() || along > to) to = along, end = X;
       members.push_back({to_line, at.bearing, at.inverse_range, at.sigma_inverse_range, member.offset, member.sigma()});
@@ -356,23 +356,23 @@ class CollinearSegments {
       detail::add_in_anchor(seen.pixels, line, system);
       for (const InAnchor& member : members) {
         const auto lin = CollinearPoint<S>::linearize(member.view, line, member.bearing, member.lambda);
-        const Vec<S, 2> w = weights_of(lin, member), r = w.cwiseProduct(lin.r - Vec<S, 2>(member.offset, S(0)));
+        const Vec<S, 2> w = weights_of(lin, member), r = cwise_product(w, lin.r - Vec<S, 2>(member.offset, S(0)));
         Mat<S, 2, 4> J = lin.J_r_line;
         for (int c = 0; c < 4; ++c) J(0, c) *= w[0], J(1, c) *= w[1];
-        system.add(J, r, Kind::point_loss.weight(r.squaredNorm()));
+        system.add(J, r, Kind::point_loss.weight(squared_norm(r)));
       }
       Vec<double, 4> step;
       if (!system.solve(step) || !system.covariance(covariance)) return;
-      line = line.plus(Vec<S, 4>(step.template cast<S>()));
+      line = line.plus(cast_to<S>(step));
     }
     int straight = 0;
     for (const InAnchor& member : members) {
       const auto lin = CollinearPoint<S>::linearize(member.view, line, member.bearing, member.lambda);
       const Vec<S, 2> r = lin.r - Vec<S, 2>(member.offset, S(0));
-      straight += weights_of(lin, member).cwiseProduct(r).squaredNorm() < S(9);
+      straight += squared_norm(cwise_product(weights_of(lin, member), r)) < S(9);
     }
     if (straight < 2 || 2 * straight < static_cast<int>(members.size())) return;
-    detail::adopt_line(landmark, line, Mat<S, 4, 4>(covariance.template cast<S>()));
+    detail::adopt_line(landmark, line, cast_to<S>(covariance));
   }
   /// Of r, one by sigma: that of the tie and that of the point's range.
   static Vec<S, 2> weights_of(const typename CollinearPoint<S>::Linearized& lin, const InAnchor& member) {

@@ -59,14 +59,14 @@ class DirectLines {
       for (int k = 0; k < n; ++k) {
         const float along = (float(k) + 0.5f) / float(n);
         const Vec<float, 2> pixel = segment.start + along * (segment.end - segment.start);
-        const Unprojection<S> ray = view.camera().unproject(view.shutter.still(pixel.template cast<S>()).uv);
+        const Unprojection<S> ray = view.camera().unproject(view.shutter.still(cast_to<S>(pixel)).uv);
         if (!ray.valid) continue;
         const Vec<S, 3> p = line.point_along(ray.bearing);
-        if (!(p.z() > min_depth) || !(p.norm() < max_range)) continue;
+        if (!(p.z() > min_depth) || !(norm(p) < max_range)) continue;
         const Projection<S> predicted = view.camera().project(T_cam_previous * p);
         if (!predicted.valid) continue;
         const Vec<S, 2> shift = view.shutter.seen(predicted.uv) - predicted.uv;
-        take(AlignmentSample<S>{pixel, shift.template cast<float>(), view.T_body_cam * p, weight});
+        take(AlignmentSample<S>{pixel, cast_to<float>(shift), view.T_body_cam * p, weight});
       }
     }
   }

@@ -56,12 +56,12 @@ class DirectPoints {
     for (const Landmark& landmark : store.landmarks()) {
       if (!landmark.current.valid || !landmark.located) continue;
       const Vec<S, 3> at = p_world(landmark, window, view.T_body_cam);
-      const S range = (T_previous_world * at).norm();
-      const Unprojection<S> ray = view.camera().unproject(landmark.current.uv.template cast<S>());
+      const S range = norm(T_previous_world * at);
+      const Unprojection<S> ray = view.camera().unproject(cast_to<S>(landmark.current.uv));
       const Projection<S> predicted = view.camera().project(T_cam_world * at);
       if (!ray.valid || !predicted.valid) continue;
       const Vec<S, 2> shift = view.shutter.seen(predicted.uv) - predicted.uv;
-      take(AlignmentSample<S>{landmark.current.pixel, shift.template cast<float>(),
+      take(AlignmentSample<S>{landmark.current.pixel, cast_to<float>(shift),
                               view.T_body_cam * Vec<S, 3>(range * ray.bearing), 1});
     }
   }
@@ -167,14 +167,14 @@ class DirectPoints {
                       const SE3<S>& T_cam_world, Vec<float, 2>& seen) {
     const Projection<S> predicted = view.camera().project(T_cam_world * p_world(landmark, window, view.T_body_cam));
     if (!predicted.valid) return false;
-    seen = view.shutter.seen(predicted.uv).template cast<float>();
+    seen = cast_to<float>(view.shutter.seen(predicted.uv));
     return view.current.level(0).contains(seen.x(), seen.y(), border_px);
   }
 
   /// What the latest frame says of it, where there is enough parallax to say anything.
   void measure(const View<Sensors>& view, const Landmark& landmark, const SE3<S>& T_cam_anchor,
                DepthFilter<S>& depth) const {
-    const Unprojection<S> ray = view.camera().unproject(landmark.current.uv.template cast<S>());
+    const Unprojection<S> ray = view.camera().unproject(cast_to<S>(landmark.current.uv));
     if (!ray.valid) return;
     const S sigma_rad = S(options_.sigma_flow_px) / effective_focal_length(view.camera());
     const std::array<TriangulationView<S>, 1> views{{{T_cam_anchor, ray.bearing, sigma_rad}}};
@@ -199,7 +199,7 @@ class DirectPoints {
         view.camera().project(T_cam_world.rotation() * (T_world_previous.rotation() * in_previous));
     const Projection<S> now = view.camera().project(T_cam_world * at);
     if (!turned.valid || !now.valid) return guess;
-    return guess + (now.uv - turned.uv).template cast<float>();
+    return guess + cast_to<float>(now.uv - turned.uv);
   }
 
   /// Looks for landmarks without a place in space that the frame has lost: along their rays, as far as the filter of
@@ -232,7 +232,7 @@ class DirectPoints {
     AlignmentOptions alignment = options_.alignment;
     alignment.coarse_start = coarse_start;
     Alignment aligned = align_patch(landmark.appearance, A, view.current, guess, alignment);
-    aligned.valid = aligned.valid && (coarse_start || (aligned.uv - guess).norm() < options_.max_correction_px);
+    aligned.valid = aligned.valid && (coarse_start || norm(aligned.uv - guess) < options_.max_correction_px);
     return aligned;
   }
   void observe(const View<Sensors>& view, Landmark& landmark, const Alignment& aligned) const {

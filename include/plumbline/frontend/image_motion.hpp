@@ -59,11 +59,13 @@ class ImageMotion {
   /// sigma of [dphi, dp].
   Vec<S, 6> wide() const {
     S inverse_range = S(0);
-    for (const AlignmentSample<S>& sample : samples_) inverse_range += 1 / sample.p_body.norm();
+    for (const AlignmentSample<S>& sample : samples_) inverse_range += 1 / norm(sample.p_body);
     const S range = samples_.empty() ? S(1) : S(samples_.size()) / inverse_range;
     Vec<S, 6> sigma;
-    sigma << Vec<S, 3>::Constant(S(options_.sigma_rotation)),
-        Vec<S, 3>::Constant(S(options_.sigma_translation) * range);
+    for (int k = 0; k < 3; ++k) {
+      sigma[k] = S(options_.sigma_rotation);
+      sigma[3 + k] = S(options_.sigma_translation) * range;
+    }
     return sigma;
   }
 

@@ -61,7 +61,7 @@ void locate_in_frame(Landmark& landmark, int slot) {
   Mat<double, 4, 4> covariance;
   if (!system.covariance(covariance)) return;
   landmark.anchor = slot;
-  detail::adopt_line(landmark, line, Mat<S, 4, 4>(covariance.template cast<S>()));
+  detail::adopt_line(landmark, line, cast_to<S>(covariance));
 }
 
 /// The line from its edge in the anchor, and edge and depth in the latest frame; or, without depth, from the two
@@ -87,13 +87,13 @@ void locate_line(Landmark& landmark, const RelativeView<S>& latest, const LineTr
       detail::add_in_target(seen.pixels, latest, line, system);
       detail::add_in_target(depth, latest, line, system);
       found = system.solve(step) && system.covariance(covariance);
-      if (found) line = line.plus(Vec<S, 4>(step.template cast<S>()));
+      if (found) line = line.plus(cast_to<S>(step));
     }
     const AnchoredLine<LineReprojection<S>> pixels{in_anchor.pixels.measured};
     if (found) {
       const Vec<S, 2> r = product(in_anchor.pixels.L, pixels.linearize_in_anchor(line).r);
-      if (r.squaredNorm() < S(13.8)) {  // 99.9 %, as in the window
-        detail::adopt_line(landmark, line, Mat<S, 4, 4>(covariance.template cast<S>()));
+      if (squared_norm(r) < S(13.8)) {  // 99.9 %, as in the window
+        detail::adopt_line(landmark, line, cast_to<S>(covariance));
       }
     }
   }
@@ -142,7 +142,7 @@ void locate_from_ends(Landmark& landmark, const SegmentDepthFilter<S>& filter) {
     system.add(J, Vec<S, 1>(S(0)), 1 / double(filtered.depth.variance));
   }
   Mat<double, 4, 4> covariance;
-  if (system.covariance(covariance)) detail::adopt_line(landmark, line, Mat<S, 4, 4>(covariance.template cast<S>()));
+  if (system.covariance(covariance)) detail::adopt_line(landmark, line, cast_to<S>(covariance));
 }
 
 }  // namespace plumbline

@@ -98,7 +98,7 @@ class PointFlow {
       alignment.coarse_start = !tracked;
       const Alignment aligned = align_patch(landmark.appearance, A, view.current, start, alignment);
       if (tracked) {
-        if (!aligned.valid || !((aligned.uv - start).norm() < options_.max_drift_px)) continue;
+        if (!aligned.valid || !(norm(aligned.uv - start) < options_.max_drift_px)) continue;
       }
       observe(view, landmark, aligned.valid, aligned.uv);
       if (aligned.valid) {
@@ -204,7 +204,7 @@ class PointFlow {
     seen.pixel = pixel;
     seen.uv = still.uv.template cast<float>();
     seen.uv_slope.set(still.uv_slope.template cast<float>());
-    seen.L = Mat<float, 2, 2>::Identity() / float(options_.sigma_flow_px);
+    seen.L = identity<float, 2>() / float(options_.sigma_flow_px);
     if constexpr (Sensors::has_depth) seen.depth.set(view.rig.vision.depth.at(view.depth, pixel));
   }
 
@@ -223,9 +223,9 @@ class PointFlow {
     const InverseDepth<S>& depth = landmark.current.depth.get();
     if (!depth.valid) return;
     const Vec<S, 3> p_anchor = T_cam_anchor.inverse() * Vec<S, 3>(bearing / (depth.value * bearing.z()));
-    const S range = p_anchor.norm();
+    const S range = norm(p_anchor);
     // The anchor's pixel and the depth elsewhere must tell of the same direction.
-    if (!(p_anchor.dot(landmark.geometry.bearing) > S(0.999) * range)) return;
+    if (!(dot(p_anchor, landmark.geometry.bearing) > S(0.999) * range)) return;
     landmark.located = true;
     landmark.geometry.inverse_range = S(1) / range;
     landmark.geometry.sigma_inverse_range = depth.sigma * bearing.z();

@@ -16,10 +16,10 @@ void measure_segment(const View<Sensors>& view, const LineSegment& segment, cons
                      Observation& out) {
   using S = typename Sensors::Scalar;
   out.valid = false;
-  const Vec<S, 2> start = segment.start.template cast<S>(), end = segment.end.template cast<S>();
+  const Vec<S, 2> start = cast_to<S>(segment.start), end = cast_to<S>(segment.end);
   const LineObservation<S> seen = observe_line(view.camera(), view.shutter.still(start).uv, view.shutter.still(end).uv);
   if (!seen.valid) return;
-  const SegmentMeasurement<LineReprojection<S>> pixels(seen.reprojection, covariance.template cast<S>());
+  const SegmentMeasurement<LineReprojection<S>> pixels(seen.reprojection, cast_to<S>(covariance));
   out.valid = pixels.valid;
   if (!out.valid) return;
   out.pixels = pixels;

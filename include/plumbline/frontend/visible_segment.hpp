@@ -19,7 +19,7 @@ bool visible_segment(const View<Sensors>& view, const Vec<typename Sensors::Scal
     const Vec<S, 3> at = p + (S(k) / S(parts)) * (q - p);
     const Projection<S> projection = view.camera().project(at);
     if (!projection.valid) return false;
-    uv = view.shutter.seen(projection.uv).template cast<float>();
+    uv = cast_to<float>(view.shutter.seen(projection.uv));
     return view.current.level(0).contains(uv.x(), uv.y(), border_px);
   };
   int first = 0, last = parts;

@@ -30,7 +30,7 @@ struct BearingPair {
 template <class S>
 S epipolar_error(const BearingPair<S>& pair, const SO3<S>& R, const Vec<S, 3>& t) {
   const Vec<S, 3> normal = t.cross(R * pair.f1);
-  return pair.f2.dot(normal) / std::max(normal.norm(), S(1e-6));
+  return dot(pair.f2, normal) / std::max(norm(normal), S(1e-6));
 }
 
 /// The translation (15) with the smallest sum of squared errors (14), each of them cut off at the gate.
@@ -44,7 +44,7 @@ bool vote_translation(std::span<const BearingPair<S>> pairs, const SO3<S>& R, S 
   bool found = false;
   for (int h = 0; h < hypotheses; ++h) {
     const std::uint32_t i = random.below(n), j = (i + 1 + random.below(n - 1)) % n;
-    const Vec<S, 3> t = normal(i).cross(normal(j)).normalized();
+    const Vec<S, 3> t = normalized(normal(i).cross(normal(j)));
     S cost = 0;
     for (std::uint32_t k = 0; k < n && cost < best_cost; ++k) {
       const S e = epipolar_error(pairs[k], R, t);
@@ -63,16 +63,16 @@ bool vote_translation(std::span<const BearingPair<S>> pairs, const SO3<S>& R, S 
 template <class S>
 bool refine_epipolar(std::span<const BearingPair<S>> pairs, S scale, int iterations, SO3<S>& R, Vec<S, 3>& t) {
   for (int iteration = 0; iteration < iterations; ++iteration) {
-    const Vec<S, 3> b1 = t.unitOrthogonal(), b2 = t.cross(b1);  // B
+    const Vec<S, 3> b1 = unit_orthogonal(t), b2 = t.cross(b1);  // B
     const SO3<S> R_inverse = R.inverse();
     DenseNormalEquations<S, 5> equations;
     for (const BearingPair<S>& pair : pairs) {
       const Vec<S, 3> a = R * pair.f1, normal = t.cross(a);
-      const S length = std::max(normal.norm(), S(1e-6)), e = pair.f2.dot(normal) / length, q = e / scale;  // (14)
+      const S length = std::max(norm(normal), S(1e-6)), e = dot(pair.f2, normal) / length, q = e / scale;  // (14)
       const Vec<S, 3> u = R_inverse * Vec<S, 3>(pair.f2.cross(t));
       const Vec<S, 3> J_phi = pair.f1.cross(u), J_t = a.cross(pair.f2);
       Mat<S, 1, 5> J;  // times the length
-      J << J_phi[0], J_phi[1], J_phi[2], b1.dot(J_t), b2.dot(J_t);
+      J << J_phi[0], J_phi[1], J_phi[2], dot(b1, J_t), dot(b2, J_t);
       const S root = S(1) / (S(1) + q * q), w = root * root / (length * length);
       if (w > S(0)) equations.add(J, Vec<S, 1>(length * e), w);  // not for NaN
     }
@@ -81,8 +81,8 @@ bool refine_epipolar(std::span<const BearingPair<S>> pairs, S scale, int iterati
     R = R * SO3<S>::exp(segment<3>(d, 0));
     t += d[3] * b1;
     t += d[4] * b2;
-    t.normalize();
-    if (d.norm() < S(1e-6)) break;
+    t = normalized(t);
+    if (norm(d) < S(1e-6)) break;
   }
   return true;
 }

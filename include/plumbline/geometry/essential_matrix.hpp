@@ -47,8 +47,8 @@ std::array<SE3<S>, 4> motions_of_essential(const Mat<S, 3, 3>& E) {
   for (int k = 1; k < 3; ++k) largest = G(k, k) < G(largest, largest) ? k : largest;
   Vec<S, 3> t;
   for (int i = 0; i < 3; ++i) t[i] = (i == largest ? half_trace : S(0)) - G(i, largest);
-  t.normalize();
-  const Vec<S, 3> e0 = E.col(0), e1 = E.col(1), e2 = E.col(2);
+  t = normalized(t);
+  const Vec<S, 3> e0 = column(E, 0), e1 = column(E, 1), e2 = column(E, 2);
   const std::array<Vec<S, 3>, 3> cofactors{e1.cross(e2), e2.cross(e0), e0.cross(e1)};
   const S scale = std::sqrt(half_trace);
   std::array<SE3<S>, 4> out;

@@ -202,7 +202,7 @@ FixedVector<Mat<S, 3, 3>, 10> five_point(const std::array<BearingPair<S>, 5>& pa
     const Vec<double, 3> r0 = B[0].at(z), r1 = B[1].at(z), r2 = B[2].at(z);
     Vec<double, 3> v = r0.cross(r1);
     for (const Vec<double, 3>& other : {Vec<double, 3>(r1.cross(r2)), Vec<double, 3>(r2.cross(r0))}) {
-      if (other.squaredNorm() > v.squaredNorm()) v = other;
+      if (squared_norm(other) > squared_norm(v)) v = other;
     }
     Mat<double, 3, 3> matrix;
     for (std::size_t i = 0; i < 9; ++i) {

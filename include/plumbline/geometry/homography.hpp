@@ -44,8 +44,8 @@ Mat<S, 3, 3> cofactor_matrix(const Mat<S, 3, 3>& A) {
 template <class S>
 S transfer_error(const Mat<S, 3, 3>& H, const Vec<S, 3>& from, const Vec<S, 3>& to) {
   const Vec<S, 3> x = product(H, from);
-  if (!(x.dot(to) > S(0))) return S(2);  // true for NaN
-  return x.cross(to).squaredNorm() / x.squaredNorm();
+  if (!(dot(x, to) > S(0))) return S(2);  // true for NaN
+  return squared_norm(x.cross(to)) / squared_norm(x);
 }
 
 /// (22), |H| = 1 and det H > 0. False when no plane shows four points like this: three of them on a line in a view, or
@@ -58,11 +58,11 @@ bool homography_of_four(const std::array<BearingPair<S>, 4>& pairs, Mat<S, 3, 3>
     set_block(A_2, 0, k, pairs[std::size_t(k)].f2);
   }
   const Mat<S, 3, 3> C_1 = cofactor_matrix(A_1), C_2 = cofactor_matrix(A_2);  // transposed inverses, times determinants
-  const S det_1 = block<3, 1>(A_1, 0, 0).dot(block<3, 1>(C_1, 0, 0));
-  const S det_2 = block<3, 1>(A_2, 0, 0).dot(block<3, 1>(C_2, 0, 0));
+  const S det_1 = dot(block<3, 1>(A_1, 0, 0), block<3, 1>(C_1, 0, 0));
+  const S det_2 = dot(block<3, 1>(A_2, 0, 0), block<3, 1>(C_2, 0, 0));
   if (!(det_1 * det_2 > S(0))) return false;
   for (int k = 0; k < 3; ++k) {
-    const S l = block<3, 1>(C_1, 0, k).dot(pairs[3].f1), m = block<3, 1>(C_2, 0, k).dot(pairs[3].f2);
+    const S l = dot(block<3, 1>(C_1, 0, k), pairs[3].f1), m = dot(block<3, 1>(C_2, 0, k), pairs[3].f2);
     if (!(m / l > S(0))) return false;
     for (int i = 0; i < 3; ++i) A_2(i, k) *= m / l;
   }
@@ -81,13 +81,13 @@ struct HomographyError {
   Mat<S, 2, 9> J_r_H;
 
   HomographyError(const Mat<S, 3, 3>& H, const BearingPair<S>& pair) {
-    const Vec<S, 3> x = product(H, pair.f1), b1 = pair.f2.unitOrthogonal(), b2 = pair.f2.cross(b1);  // B
-    const S inverse_length = S(1) / x.norm();
+    const Vec<S, 3> x = product(H, pair.f1), b1 = unit_orthogonal(pair.f2), b2 = pair.f2.cross(b1);  // B
+    const S inverse_length = S(1) / norm(x);
     const Vec<S, 3> n = inverse_length * x;
-    valid = n.dot(pair.f2) > S(0);  // false for NaN
+    valid = dot(n, pair.f2) > S(0);  // false for NaN
     for (int k = 0; k < 2; ++k) {
       const Vec<S, 3>& b = k == 0 ? b1 : b2;
-      r[k] = b.dot(n);
+      r[k] = dot(b, n);
       const Vec<S, 3> across = inverse_length * (b - r[k] * n);
       for (int m = 0; m < 9; ++m) J_r_H(k, m) = across[m % 3] * pair.f1[m / 3];
     }
@@ -106,7 +106,7 @@ bool refine_homography(std::span<const BearingPair<S>> pairs, S scale, int itera
     for (const BearingPair<S>& pair : pairs) {
       const HomographyError<S> error(H, pair);
       if (!error.valid) continue;
-      const S w = S(1) / (S(1) + error.r.squaredNorm() / (scale * scale));
+      const S w = S(1) / (S(1) + squared_norm(error.r) / (scale * scale));
       equations.add(error.J_r_H, error.r, w * w);
     }
     Vec<S, 9> d;
@@ -117,7 +117,7 @@ bool refine_homography(std::span<const BearingPair<S>> pairs, S scale, int itera
       squared += H.data()[k] * H.data()[k];
     }
     H *= S(1) / std::sqrt(squared);
-    if (d.norm() < S(1e-6)) break;
+    if (norm(d) < S(1e-6)) break;
   }
   return true;
 }
@@ -136,7 +136,7 @@ HomographyMotions<S> motions_of_homography(const Mat<S, 3, 3>& H, S smallest = S
   HomographyMotions<S> out;
   Mat<S, 3, 3> G;
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) G(i, j) = block<3, 1>(H, 0, i).dot(block<3, 1>(H, 0, j));
+    for (int j = 0; j < 3; ++j) G(i, j) = dot(block<3, 1>(H, 0, i), block<3, 1>(H, 0, j));
   }
   const SymmetricEigen<S, 3> eigen(G);
   const S middle = eigen.values[1];
@@ -151,7 +151,7 @@ HomographyMotions<S> motions_of_homography(const Mat<S, 3, 3>& H, S smallest = S
     set_block(F, 0, 2, Vec<S, 3>(a.cross(b)));
     return F;
   };
-  const Vec<S, 3> Hv1 = product(unit, v1).normalized();  // across H v2, as v1 is across v2
+  const Vec<S, 3> Hv1 = normalized(product(unit, v1));  // across H v2, as v1 is across v2
   out.R_nearest = SO3<S>::from_matrix(product_transposed(frame(Hv2, Hv1), frame(v2, v1)));
   out.valid = out.R_nearest.is_finite();
   if (!out.valid || !(above + below > smallest)) return out;
@@ -159,7 +159,7 @@ HomographyMotions<S> motions_of_homography(const Mat<S, 3, 3>& H, S smallest = S
     const Vec<S, 3> u = (std::sqrt(below) * v1 + sign * std::sqrt(above) * v3) / std::sqrt(above + below);
     const Vec<S, 3> n = v2.cross(u);
     const Mat<S, 3, 3> R = product_transposed(frame(Hv2, product(unit, u)), frame(v2, u));
-    const Vec<S, 3> t = (product(unit, n) - product(R, n)).normalized();
+    const Vec<S, 3> t = normalized(product(unit, n) - product(R, n));
     const SO3<S> rotation = SO3<S>::from_matrix(R);
     out.T_2_1.push_back(SE3<S>(rotation, t));
     out.T_2_1.push_back(SE3<S>(rotation, -t));

@@ -31,12 +31,12 @@ struct Plucker {
   Vec<S, 3> v;  ///< direction
 
   /// Points to the nearest point of the origin; its plane q . x = 1 holds the line and faces the origin.       (7)
-  Vec<S, 3> facing_plane() const { return v.cross(n) / n.squaredNorm(); }
+  Vec<S, 3> facing_plane() const { return v.cross(n) / squared_norm(n); }
 
   /// The point of the line beside the ray of `bearing` (any length): the ray's nearest one in the image. Behind the
   /// origin when the ray does not meet the line in front, not finite when it is parallel.                      (8)
   Vec<S, 3> point_along(const Vec<S, 3>& bearing) const {
-    return (bearing * n.squaredNorm() - n * n.dot(bearing)) / bearing.dot(v.cross(n));
+    return (bearing * squared_norm(n) - n * dot(n, bearing)) / dot(bearing, v.cross(n));
   }
 };
 
@@ -51,7 +51,7 @@ Plucker<S> operator*(const SE3<S>& T_a_b, const Plucker<S>& line_b) {
 template <class S>
 Mat<S, 6, 6> plucker_transform(const SE3<S>& T_a_b) {
   const Mat<S, 3, 3> R = T_a_b.R();
-  Mat<S, 6, 6> out = Mat<S, 6, 6>::Zero();
+  Mat<S, 6, 6> out = zeros<S, 6, 6>();
   set_block(out, 0, 0, R);
   set_block(out, 0, 3, product(hat(T_a_b.p()), R));
   set_block(out, 3, 3, R);
@@ -68,10 +68,10 @@ class Line3 {
   Line3() : w1_(std::sqrt(S(0.5))), w2_(std::sqrt(S(0.5))) {}
   /// Of any scale; the part of n along v is left out. Not finite when v is zero.
   explicit Line3(const Plucker<S>& line) {
-    const Vec<S, 3> u2 = line.v.normalized(), n = line.n - u2 * u2.dot(line.n);
-    const S n_norm = n.norm(), v_norm = line.v.norm();
+    const Vec<S, 3> u2 = normalized(line.v), n = line.n - u2 * dot(u2, line.n);
+    const S n_norm = norm(n), v_norm = norm(line.v);
     const bool has_moment = n_norm > std::numeric_limits<S>::epsilon() * v_norm;  // else any u1 will do
-    const Vec<S, 3> u1 = has_moment ? Vec<S, 3>(n / n_norm) : u2.unitOrthogonal();
+    const Vec<S, 3> u1 = has_moment ? Vec<S, 3>(n / n_norm) : unit_orthogonal(u2);
     Mat<S, 3, 3> U;
     set_block(U, 0, 0, u1);
     set_block(U, 0, 1, u2);
@@ -89,7 +89,7 @@ class Line3 {
 
   Plucker<S> plucker() const {
     const Mat<S, 3, 3> U = U_.matrix();
-    return {w1_ * U.col(0), w2_ * U.col(1)};
+    return {w1_ * column(U, 0), w2_ * column(U, 1)};
   }
   /// (5), rows n then v.
   Mat<S, 6, 4> plucker_jacobian() const {
@@ -103,9 +103,9 @@ class Line3 {
     return J;
   }
 
-  Vec<S, 3> direction() const { return U_.matrix().col(1); }                     ///< unit
-  S distance() const { return std::abs(w1_ / w2_); }                             ///< to the origin [m]
-  Vec<S, 3> closest_point() const { return (-w1_ / w2_) * U_.matrix().col(2); }  ///< to the origin [m]
+  Vec<S, 3> direction() const { return column(U_.matrix(), 1); }                     ///< unit
+  S distance() const { return std::abs(w1_ / w2_); }                                 ///< to the origin [m]
+  Vec<S, 3> closest_point() const { return (-w1_ / w2_) * column(U_.matrix(), 2); }  ///< to the origin [m]
   bool is_finite() const { return U_.is_finite() && std::isfinite(w1_) && std::isfinite(w2_); }
 
   const SO3<S>& U() const { return U_; }
@@ -122,7 +122,7 @@ class Line3 {
   template <std::floating_point Other>
   Line3<Other> cast() const {
     const Plucker<S> line = plucker();
-    return Line3<Other>({line.n.template cast<Other>(), line.v.template cast<Other>()});
+    return Line3<Other>({cast_to<Other>(line.n), cast_to<Other>(line.v)});
   }
 
  private:
@@ -154,7 +154,7 @@ Vec<S, 4> minus(const Line3<S>& line1, const Line3<S>& line0) {
 /// d minus(line, line0) / d line, 4x4.
 template <class S>
 Mat<S, 4, 4> minus_jacobian(const Line3<S>& line, const Line3<S>& line0) {
-  Mat<S, 4, 4> J = Mat<S, 4, 4>::Identity();
+  Mat<S, 4, 4> J = identity<S, 4>();
   set_block(J, 0, 0, minus_jacobian(line.U(), line0.U()));
   return J;
 }

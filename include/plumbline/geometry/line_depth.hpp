@@ -35,8 +35,8 @@ struct LineDepthOptions {
 template <class S>
 struct LineDepth {
   bool valid = false;
-  Vec<S, 2> inverse_depth = Vec<S, 2>::Zero();     ///< l_a, l_b [1/m]
-  Mat<S, 2, 2> covariance = Mat<S, 2, 2>::Zero();  ///< (27) [1/m^2]
+  Vec<S, 2> inverse_depth = zeros<S, 2>();     ///< l_a, l_b [1/m]
+  Mat<S, 2, 2> covariance = zeros<S, 2, 2>();  ///< (27) [1/m^2]
   int inliers = 0;
 };
 
@@ -44,7 +44,7 @@ struct LineDepth {
 template <class S>
 S along_segment(const Vec<S, 3>& m, const Vec<S, 3>& m_start, const Vec<S, 3>& m_end) {
   const Vec<S, 3> extent = m_end - m_start;
-  return (m - m_start).dot(extent) / extent.squaredNorm();
+  return dot(m - m_start, extent) / squared_norm(extent);
 }
 
 /// The line through both ends.
@@ -90,8 +90,8 @@ LineDepth<S> fit_line_depth(std::span<const LineDepthSample<S>> samples, const L
   if (out.inliers < 3) return out;
   S first = 1, last = 0;
   for (int iteration = 0; iteration < 2; ++iteration) {
-    Mat<S, 2, 2> H = Mat<S, 2, 2>::Zero();
-    Vec<S, 2> g = Vec<S, 2>::Zero();
+    Mat<S, 2, 2> H = zeros<S, 2, 2>();
+    Vec<S, 2> g = zeros<S, 2>();
     out.inliers = 0;
     first = 1, last = 0;
     for (const LineDepthSample<S>& x : samples) {

@@ -38,11 +38,11 @@ struct LineTriangulationOptions {
 template <class S>
 struct LineTriangulation {
   bool valid = false;
-  Line3<S> line;                                      ///< anchor camera
-  Mat<S, 4, 4> covariance = Mat<S, 4, 4>::Zero();     ///< of its increment
-  Vec<S, 2> inverse_depth = Vec<S, 2>::Zero();        ///< 1/z at the first view's start and end [1/m]
-  Vec<S, 2> sigma_inverse_depth = Vec<S, 2>::Zero();  ///< [1/m]
-  S chi2 = 0;                                         ///< of (24), 2 views - 4 degrees of freedom
+  Line3<S> line;                                  ///< anchor camera
+  Mat<S, 4, 4> covariance = zeros<S, 4, 4>();     ///< of its increment
+  Vec<S, 2> inverse_depth = zeros<S, 2>();        ///< 1/z at the first view's start and end [1/m]
+  Vec<S, 2> sigma_inverse_depth = zeros<S, 2>();  ///< [1/m]
+  S chi2 = 0;                                     ///< of (24), 2 views - 4 degrees of freedom
 };
 
 /// (22)
@@ -54,9 +54,9 @@ struct InterpretationPlane {
 
   explicit InterpretationPlane(const LineTriangulationView<S>& view) {
     const Vec<S, 3> cross = view.bearing_start.cross(view.bearing_end);
-    const S sine = cross.norm();
+    const S sine = norm(cross);
     N = view.T_cj_ca.rotation().inverse() * Vec<S, 3>(cross / sine);
-    D = cross.dot(view.T_cj_ca.p()) / sine;
+    D = dot(cross, view.T_cj_ca.p()) / sine;
     sigma_rad = std::sqrt(S(2)) * view.sigma_rad / sine;
   }
 };
@@ -73,7 +73,7 @@ namespace line_triangulation_detail {
 template <class S>
 Mat<S, 1, 4> by_line(const Vec<S, 3>& by_n, const Vec<S, 3>& by_v, const Mat<S, 6, 4>& J_line) {
   Mat<S, 1, 4> out;
-  for (int k = 0; k < 4; ++k) out(0, k) = by_n.dot(block<3, 1>(J_line, 0, k)) + by_v.dot(block<3, 1>(J_line, 3, k));
+  for (int k = 0; k < 4; ++k) out(0, k) = dot(by_n, block<3, 1>(J_line, 0, k)) + dot(by_v, block<3, 1>(J_line, 3, k));
   return out;
 }
 
@@ -91,7 +91,7 @@ LineTriangulation<S> triangulate_line(std::span<const LineTriangulationView<S>> 
   S most = 0;
   for (std::size_t j = 1; j < views.size(); ++j) {
     const InterpretationPlane<S> plane(views[j]);
-    const S sine = anchor.N.cross(plane.N).norm();
+    const S sine = norm(anchor.N.cross(plane.N));
     const S significance = sine / std::hypot(anchor.sigma_rad, plane.sigma_rad);
     if (!(sine > std::sin(S(options.min_angle_rad)) && significance > most)) continue;
     most = significance;
@@ -100,7 +100,7 @@ LineTriangulation<S> triangulate_line(std::span<const LineTriangulationView<S>> 
   if (!(most > S(options.min_angle_sigmas))) return out;
   // The direction is that from start to end.
   const Vec<S, 3> along = views[0].bearing_end - views[0].bearing_start;
-  if (out.line.direction().dot(along) < S(0)) {
+  if (dot(out.line.direction(), along) < S(0)) {
     const Plucker<S> line = out.line.plucker();
     out.line = Line3<S>(Plucker<S>{-line.n, -line.v});
   }
@@ -114,21 +114,21 @@ LineTriangulation<S> triangulate_line(std::span<const LineTriangulationView<S>> 
     const Mat<S, 6, 4> J_line = out.line.plucker_jacobian();
     for (const LineTriangulationView<S>& view : views) {
       const Plucker<S> seen = view.T_cj_ca * line;
-      const S inverse_norm = 1 / seen.n.norm();
+      const S inverse_norm = 1 / norm(seen.n);
       const Vec<S, 3> nh = inverse_norm * seen.n;
       const SO3<S> R_ca_cj = view.T_cj_ca.rotation().inverse();
       for (const Vec<S, 3>* b : {&view.bearing_start, &view.bearing_end}) {
-        const S r = nh.dot(*b) / view.sigma_rad;                                          // (24)
-        const Vec<S, 3> by_n = (inverse_norm / view.sigma_rad) * (*b - nh.dot(*b) * nh);  // in this camera
+        const S r = dot(nh, *b) / view.sigma_rad;                                          // (24)
+        const Vec<S, 3> by_n = (inverse_norm / view.sigma_rad) * (*b - dot(nh, *b) * nh);  // in this camera
         const Vec<S, 3> by_v = by_n.cross(view.T_cj_ca.p());
         equations.add(by_line<S>(R_ca_cj * by_n, R_ca_cj * by_v, J_line), Vec<S, 1>(r), S(1));
         out.chi2 += r * r;
       }
-      in_front = in_front && (view.bearing_start + view.bearing_end).dot(seen.v.cross(seen.n)) > 0;
+      in_front = in_front && dot(view.bearing_start + view.bearing_end, seen.v.cross(seen.n)) > 0;
     }
     Vec<S, 4> step;
     if (!equations.solve(step) || !equations.covariance(out.covariance)) return out;  // (25)
-    const bool converged = !(-step.dot(equations.b()) > S(1e-4));  // step^T H step: in units of its own noise
+    const bool converged = !(-dot(step, equations.b()) > S(1e-4));  // step^T H step: in units of its own noise
     if (iteration == 5 || converged) break;
     out.line = plus(out.line, step);
   }
@@ -136,16 +136,16 @@ LineTriangulation<S> triangulate_line(std::span<const LineTriangulationView<S>> 
   // Inverse depth 1/z = q . m of both ends and its noise; the Jacobians are those of a depth measurement (11).
   const Plucker<S> line = out.line.plucker();
   const Vec<S, 3> q = line.facing_plane();
-  const S inverse_square = 1 / line.n.squaredNorm();
+  const S inverse_square = 1 / squared_norm(line.n);
   const Mat<S, 6, 4> J_line = out.line.plucker_jacobian();
   bool significant = true;
   for (int i = 0; i < 2; ++i) {
     const Vec<S, 3>& b = i == 0 ? views[0].bearing_start : views[0].bearing_end;
     const Vec<S, 3> m = b / b.z();
-    const Vec<S, 3> by_n = inverse_square * (m.cross(line.v) - 2 * q.dot(m) * line.n);
+    const Vec<S, 3> by_n = inverse_square * (m.cross(line.v) - 2 * dot(q, m) * line.n);
     const Vec<S, 3> by_v = inverse_square * line.n.cross(m);
     const Mat<S, 1, 4> J = by_line(by_n, by_v, J_line);
-    out.inverse_depth[i] = q.dot(m);
+    out.inverse_depth[i] = dot(q, m);
     out.sigma_inverse_depth[i] = std::sqrt(product_transposed(product(J, out.covariance), J)(0, 0));
     significant = significant && out.inverse_depth[i] > S(options.min_significance) * out.sigma_inverse_depth[i];
   }

@@ -36,7 +36,7 @@ Mat<S, 3, 3> columns(const Vec<S, 3>& a, const Vec<S, 3>& b, const Vec<S, 3>& c)
 
 template <class S>
 Mat<S, 3, 3> adjugate(const Mat<S, 3, 3>& A) {  // of a symmetric matrix
-  const Vec<S, 3> a0 = A.col(0), a1 = A.col(1), a2 = A.col(2);
+  const Vec<S, 3> a0 = column(A, 0), a1 = column(A, 1), a2 = column(A, 2);
   return columns<S>(a1.cross(a2), a2.cross(a0), a0.cross(a1));
 }
 
@@ -65,16 +65,22 @@ S isolated_root(S b, S c, S d) {
 template <class S>
 bool split_lines(const Mat<S, 3, 3>& D, Vec<S, 3>& l, Vec<S, 3>& m) {
   const Mat<S, 3, 3> B = adjugate(D);  // = -(l x m)(l x m)^T / 4
-  int i, row, col;
-  B.diagonal().cwiseAbs().maxCoeff(&i);
-  const S scale = D.squaredNorm();
+  int i = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (std::abs(B(k, k)) > std::abs(B(i, i))) i = k;
+  }
+  const S scale = squared_norm(D);
   if (!(B(i, i) <= 100 * std::numeric_limits<S>::epsilon() * scale)) return false;
   Mat<S, 3, 3> C = D;
   if (B(i, i) < 0)
     C += hat(Vec<S, 3>(block<3, 1>(B, 0, i) / std::sqrt(-B(i, i))));  // rank one: the outer product of l and m
-  if (!(C.cwiseAbs().maxCoeff(&row, &col) > 0)) return false;
-  l = Vec<S, 3>(C(row, 0), C(row, 1), C(row, 2)).normalized();
-  m = block<3, 1>(C, 0, col).normalized();
+  int row = 0, col = 0;
+  for (int k = 1; k < 9; ++k) {
+    if (std::abs(C(k % 3, k / 3)) > std::abs(C(row, col))) row = k % 3, col = k / 3;
+  }
+  if (!(std::abs(C(row, col)) > 0)) return false;
+  l = normalized(Vec<S, 3>(C(row, 0), C(row, 1), C(row, 2)));
+  m = normalized(block<3, 1>(C, 0, col));
   return true;
 }
 
@@ -84,7 +90,7 @@ bool polish(const Vec<S, 3>& cosines, const Vec<S, 3>& sides, Vec<S, 3>& x) {
   constexpr std::array<std::array<int, 2>, 3> pairs{{{1, 2}, {0, 2}, {0, 1}}};
   Vec<S, 3> r;
   for (int iteration = 0; iteration < 4; ++iteration) {
-    Mat<S, 3, 3> J = Mat<S, 3, 3>::Zero();
+    Mat<S, 3, 3> J = zeros<S, 3, 3>();
     for (int k = 0; k < 3; ++k) {
       const auto [i, j] = pairs[k];
       r[k] = x[i] * x[i] - 2 * cosines[k] * x[i] * x[j] + x[j] * x[j] - sides[k];
@@ -93,19 +99,17 @@ bool polish(const Vec<S, 3>& cosines, const Vec<S, 3>& sides, Vec<S, 3>& x) {
     }
     if (iteration == 3) break;
     Mat<S, 3, 3> J_inverse;
-    bool invertible;
-    J.computeInverseWithCheck(J_inverse, invertible, S(0));
-    if (!invertible) break;
+    if (!invert(J, J_inverse)) break;
     x -= J_inverse * r;
   }
   const S tolerance = std::sqrt(std::numeric_limits<S>::epsilon());
-  return r.cwiseAbs().maxCoeff() < tolerance * x.squaredNorm() && x.minCoeff() > 0;
+  return max_abs(r) < tolerance * squared_norm(x) && x.minCoeff() > 0;
 }
 
 /// Orthonormal frame of a triangle: first side, in plane, normal.
 template <class S>
 Mat<S, 3, 3> triangle_frame(const Vec<S, 3>& a, const Vec<S, 3>& b, const Vec<S, 3>& c) {
-  const Vec<S, 3> x = (b - a).normalized(), z = x.cross(c - a).normalized();
+  const Vec<S, 3> x = normalized(b - a), z = normalized(x.cross(c - a));
   return columns<S>(x, z.cross(x), z);
 }
 
@@ -120,11 +124,11 @@ FixedVector<SE3<S>, 4> p3p(const std::array<Vec<S, 3>, 3>& bearings, const std::
   const Vec3 &p1 = points_world[0], &p2 = points_world[1], &p3 = points_world[2];
   FixedVector<SE3<S>, 4> out;
 
-  const Vec3 cosines(b2.dot(b3), b1.dot(b3), b1.dot(b2));  // of the sides 23, 13, 12
-  Vec3 sides((p2 - p3).squaredNorm(), (p1 - p3).squaredNorm(), (p1 - p2).squaredNorm());
+  const Vec3 cosines(dot(b2, b3), dot(b1, b3), dot(b1, b2));  // of the sides 23, 13, 12
+  Vec3 sides(squared_norm(p2 - p3), squared_norm(p1 - p3), squared_norm(p1 - p2));
   const S size2 = sides.maxCoeff();
   const S eps = std::numeric_limits<S>::epsilon();
-  const S doubled_area = (p2 - p1).cross(p3 - p1).norm();
+  const S doubled_area = norm((p2 - p1).cross(p3 - p1));
   if (!(doubled_area > 100 * eps * size2) || !(cosines.maxCoeff() < 1 - 4 * eps)) return out;
   sides /= size2;
 
@@ -133,8 +137,8 @@ FixedVector<SE3<S>, 4> p3p(const std::array<Vec<S, 3>, 3>& bearings, const std::
   D1 << a23, -a23 * cosines[2], 0, -a23 * cosines[2], a23 - a12, a12 * cosines[0], 0, a12 * cosines[0], -a12;
   D2 << a23, 0, -a23 * cosines[1], 0, -a13, a13 * cosines[0], -a23 * cosines[1], a13 * cosines[0], a23 - a13;
   const Mat3 adjugate1 = p3p_detail::adjugate(D1), adjugate2 = p3p_detail::adjugate(D2);
-  S c0 = D1.col(0).dot(adjugate1.col(0)), c1 = adjugate1.cwiseProduct(D2).sum();
-  S c3 = D2.col(0).dot(adjugate2.col(0)), c2 = adjugate2.cwiseProduct(D1).sum();
+  S c0 = dot(column(D1, 0), column(adjugate1, 0)), c1 = dot(adjugate1, D2);
+  S c3 = dot(column(D2, 0), column(adjugate2, 0)), c2 = dot(adjugate2, D1);
   if (std::abs(c0) > std::abs(c3)) {  // (3) in 1/g: the leading coefficient is the larger one
     std::swap(D1, D2);
     std::swap(c0, c3);
@@ -147,15 +151,15 @@ FixedVector<SE3<S>, 4> p3p(const std::array<Vec<S, 3>, 3>& bearings, const std::
   const Mat3& D = std::abs(g) > 1 ? D1 : D2;  // on the lines D1 = -g D2: the larger of the two
   const Mat3 F_world = p3p_detail::triangle_frame(p1, p2, p3);
   for (const Vec3& line : lines) {
-    const Vec3 u = line.unitOrthogonal(), v = line.cross(u);  // x = s u + t v
-    const S uu = u.dot(D * u), uv = u.dot(D * v), vv = v.dot(D * v);
+    const Vec3 u = unit_orthogonal(line), v = line.cross(u);  // x = s u + t v
+    const S uu = dot(u, D * u), uv = dot(u, D * v), vv = dot(v, D * v);
     const S discriminant = uv * uv - uu * vv;
     if (!(discriminant > -100 * eps * (uv * uv + uu * uu + vv * vv))) continue;
     const S w = -(uv + std::copysign(std::sqrt(std::max(discriminant, S(0))), uv));
     for (Vec3 x : {Vec3(w * u + uu * v), Vec3(vv * u + w * v)}) {  // (s, t) = (w, uu) and (vv, w)
       if (x.sum() < 0) x = -x;
       if (!(x.minCoeff() > 0)) continue;
-      x /= x.norm();
+      x /= norm(x);
       const S metric = 2 * (1 - cosines[0] * x[1] * x[2] - cosines[1] * x[0] * x[2] - cosines[2] * x[0] * x[1]);
       x *= std::sqrt(sides.sum() / metric);  // sum of (1)
       if (!p3p_detail::polish(cosines, sides, x)) continue;

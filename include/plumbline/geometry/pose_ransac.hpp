@@ -62,11 +62,11 @@ struct BearingError {
 
   BearingError(const SE3<S>& T_cam_world, const Mat<S, 3, 3>& R, const PoseCorrespondence<S>& c) {
     const Vec<S, 3> p = R * c.p_world + T_cam_world.p();
-    const S inverse_range = S(1) / p.norm();
+    const S inverse_range = S(1) / norm(p);
     const Vec<S, 3> n = p * inverse_range;
     r = n - c.bearing;
     for (int j = 0; j < 3; ++j) {
-      const Vec<S, 3> R_j = R.col(j), N_j = inverse_range * (R_j - n.dot(R_j) * n);
+      const Vec<S, 3> R_j = column(R, j), N_j = inverse_range * (R_j - dot(n, R_j) * n);
       set_block(J_r_T, 0, 3 + j, N_j);
     }
     set_block(J_r_T, 0, 0, product(block<3, 3>(J_r_T, 0, 3), hat(-c.p_world)));
@@ -84,8 +84,8 @@ S cost(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondences, cons
   for (std::size_t i = 0; i < correspondences.size() && sum < limit; ++i) {
     const PoseCorrespondence<S>& c = correspondences[i];
     const Vec<S, 3> p = R * c.p_world + T_cam_world.p();
-    const S gate = c.sigma_rad * c.sigma_rad * p.squaredNorm(), error = c.bearing.cross(p).squaredNorm();
-    const bool inlier = error < chi2 * gate && c.bearing.dot(p) > 0;  // false for NaN
+    const S gate = c.sigma_rad * c.sigma_rad * squared_norm(p), error = squared_norm(c.bearing.cross(p));
+    const bool inlier = error < chi2 * gate && dot(c.bearing, p) > 0;  // false for NaN
     sum += inlier ? error / gate : chi2;
     if (c.sigma_inverse_depth > S(0)) {
       const S d = (S(1) / p.z() - c.inverse_depth) / c.sigma_inverse_depth;
@@ -113,12 +113,12 @@ SE3<S> refine(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondence
     for (const PoseCorrespondence<S>& c : correspondences) {
       const BearingError<S> error(T_cam_world, R, c);
       const S information = S(1) / (c.sigma_rad * c.sigma_rad);
-      const S w = information * weight(information * error.r.squaredNorm());
+      const S w = information * weight(information * squared_norm(error.r));
       if (!(w > S(0))) continue;
       equations.add(error.J_r_T, error.r, w);
       if (!(c.sigma_inverse_depth > S(0))) continue;
       const Vec<S, 3> e_z(R(2, 0), R(2, 1), R(2, 2)), turn = c.p_world.cross(e_z);  // d z / dp, d z / dphi
-      const S z = e_z.dot(c.p_world) + T_cam_world.p().z(), slope = S(-1) / (z * z * c.sigma_inverse_depth);
+      const S z = dot(e_z, c.p_world) + T_cam_world.p().z(), slope = S(-1) / (z * z * c.sigma_inverse_depth);
       const S d = (S(1) / z - c.inverse_depth) / c.sigma_inverse_depth, w_d = weight(d * d);
       if (!(w_d > S(0))) continue;
       Mat<S, 1, 6> J;

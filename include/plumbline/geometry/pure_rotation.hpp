@@ -24,10 +24,10 @@ bool refine_rotation(std::span<const BearingPair<S>> pairs, S scale, int iterati
   for (int iteration = 0; iteration < iterations; ++iteration) {
     const Mat<S, 3, 3> matrix = R.matrix();
     Mat<S, 3, 3> M;
-    M.setZero();
+    set_zero(M);
     for (const BearingPair<S>& pair : pairs) {
       const Vec<S, 3> r = product(matrix, pair.f1) - pair.f2;
-      const S root = S(1) / (S(1) + r.squaredNorm() / (scale * scale));
+      const S root = S(1) / (S(1) + squared_norm(r) / (scale * scale));
       const S w = root > S(1e-9) ? root * root : S(0);  // 0 for NaN
       if (w == S(0)) continue;
       for (int j = 0; j < 3; ++j) {
@@ -46,7 +46,7 @@ bool refine_rotation(std::span<const BearingPair<S>> pairs, S scale, int iterati
     if (!eigen.valid || !(eigen.values[0] > eigen.values[1])) return false;
     const Mat<S, 4, 4>& V = eigen.V;
     const SO3<S> next(Eigen::Quaternion<S>(V(3, 0), V(0, 0), V(1, 0), V(2, 0)));
-    const S change = (R.inverse() * next).quaternion().vec().squaredNorm();
+    const S change = squared_norm(Vec<S, 3>((R.inverse() * next).quaternion().vec()));
     R = next;
     if (change < S(1e-12)) break;
   }

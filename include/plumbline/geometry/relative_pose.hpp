@@ -102,7 +102,7 @@ class RelativePoseSearch {
   }
 
   void search_homography() {
-    H_.setZero();
+    set_zero(H_);
     S best_sample = 0;
     // A pair that a homography meets counts as one when it brings the most it can, for about two thirds in the mean.
     for (int k = 0; k < options_.homography_samples; ++k) {
@@ -190,7 +190,7 @@ class RelativePoseSearch {
 
   /// Rounding, noise and refinement leave the same motion in different words.
   static bool differ(const SE3<S>& A, const SE3<S>& B) {
-    return (A.rotation().inverse() * B.rotation()).log().norm() > S(0.05) || (A.p() - B.p()).norm() > S(0.2);
+    return norm((A.rotation().inverse() * B.rotation()).log()) > S(0.05) || norm(A.p() - B.p()) > S(0.2);
   }
   void compare_motions_of_plane(const HomographyMotions<S>& of_plane) {
     best = {};

@@ -32,7 +32,7 @@ class RigidAlignment {
     p_mean_ += gain * dp;
     q_mean_ += gain * dq;
     moment_ += (weight - weight * gain) * dp * dq.transpose();
-    q_variance_ += (weight - weight * gain) * dq.squaredNorm();
+    q_variance_ += (weight - weight * gain) * squared_norm(dq);
     ++count_;
   }
 
@@ -41,7 +41,7 @@ class RigidAlignment {
   /// Collinear: the second singular value of M is below `collinear_ratio` of the first.
   Result solve(bool with_scale, S collinear_ratio = S(1e-3)) const {
     Result out;
-    if (count_ < 3 || !moment_.allFinite()) return out;
+    if (count_ < 3 || !all_finite(moment_)) return out;
     const Eigen::JacobiSVD<Mat<S, 3, 3>> svd(moment_, Eigen::ComputeFullU | Eigen::ComputeFullV);  // (8)
     const Vec<S, 3>& sv = svd.singularValues();
     if (!(sv[1] > collinear_ratio * sv[0])) return out;
@@ -59,8 +59,8 @@ class RigidAlignment {
  private:
   int count_ = 0;
   S weight_ = 0, q_variance_ = 0;
-  Vec<S, 3> p_mean_ = Vec<S, 3>::Zero(), q_mean_ = Vec<S, 3>::Zero();
-  Mat<S, 3, 3> moment_ = Mat<S, 3, 3>::Zero();
+  Vec<S, 3> p_mean_ = zeros<S, 3>(), q_mean_ = zeros<S, 3>();
+  Mat<S, 3, 3> moment_ = zeros<S, 3, 3>();
 };
 
 }  // namespace plumbline

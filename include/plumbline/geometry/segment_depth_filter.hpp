@@ -47,24 +47,24 @@ class SegmentDepthFilter {
   /// the baseline. The ends of the two segments need not be the same points.
   void update(const SegmentRays<S>& anchor, const SegmentRays<S>& seen, const SE3<S>& T_seen_anchor) {
     constexpr S min_sine = S(0.17);  // 10 degrees between the edge and the way of the point in the image
-    const Vec<S, 3> normal = seen.start.cross(seen.end), m_a = anchor.start.cross(anchor.end).normalized();
-    const S sine = normal.norm();
+    const Vec<S, 3> normal = seen.start.cross(seen.end), m_a = normalized(anchor.start.cross(anchor.end));
+    const S sine = norm(normal);
     const Vec<S, 3> m = normal / sine;
     const Vec<S, 3>& t = T_seen_anchor.p();
-    const S m_t = m.dot(t), h = -m.dot(T_seen_anchor.rotation() * m_a) / m_t;  // (19)
+    const S m_t = dot(m, t), h = -dot(m, T_seen_anchor.rotation() * m_a) / m_t;  // (19)
     for (int i = 0; i < 2; ++i) {
       End& end = ends_[std::size_t(i)];
       const Vec<S, 3> Rb = T_seen_anchor.rotation() * (i == 0 ? anchor.start : anchor.end);
-      const S x = -m.dot(Rb) / m_t;  // (17)
+      const S x = -dot(m, Rb) / m_t;  // (17)
       const Vec<S, 3> P = Rb + x * t;
-      const S range = P.norm();
+      const S range = norm(P);
       const Vec<S, 3> d = P / range;
-      if (!(std::abs(m_t) > min_sine * (t - d.dot(t) * d).norm())) continue;  // NaN too
-      const Vec<S, 2> w(d.cross(seen.end).dot(m) / sine, seen.start.cross(d).dot(m) / sine);
-      const S tau2 = w.dot(seen.C * w) * (range * range) / (m_t * m_t);  // (18)
+      if (!(std::abs(m_t) > min_sine * norm(t - dot(d, t) * d))) continue;  // NaN too
+      const Vec<S, 2> w(dot(d.cross(seen.end), m) / sine, dot(seen.start.cross(d), m) / sine);
+      const S tau2 = dot(w, seen.C * w) * (range * range) / (m_t * m_t);  // (18)
       const S h_beta = h - end.by_anchor, noise = tau2 + h_beta * h_beta * anchor.C(i, i);
       if (!(noise > S(0)) || !(noise < 4 * end.depth.variance)) continue;
-      if (!(d.dot(seen.start + seen.end) > S(0))) {
+      if (!(dot(d, seen.start + seen.end) > S(0))) {
         end.depth.miss();
       } else {
         end.by_anchor += end.depth.update(x, std::sqrt(noise)) * h_beta;  // (20)

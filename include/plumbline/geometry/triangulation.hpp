@@ -43,7 +43,7 @@ struct Triangulation {
 template <class S>
 S two_view_inverse_range(const Vec<S, 3>& bearing_anchor, const TriangulationView<S>& view) {
   const Vec<S, 3> across = view.bearing.cross(view.T_cj_ca.p());
-  return -view.bearing.cross(view.T_cj_ca.rotation() * bearing_anchor).dot(across) / across.squaredNorm();
+  return -dot(view.bearing.cross(view.T_cj_ca.rotation() * bearing_anchor), across) / squared_norm(across);
 }
 
 /// Gauss-Newton on (12) from the view with the most parallax.
@@ -53,7 +53,7 @@ Triangulation<S> triangulate(const Vec<S, 3>& bearing_anchor, std::span<const Tr
   Triangulation<S> out;
   S most = 0;
   for (const TriangulationView<S>& view : views) {
-    const S parallax = view.bearing.cross(view.T_cj_ca.p()).norm() / view.sigma_rad;
+    const S parallax = norm(view.bearing.cross(view.T_cj_ca.p())) / view.sigma_rad;
     if (!(parallax > most)) continue;
     most = parallax;
     out.inverse_range = two_view_inverse_range(bearing_anchor, view);
@@ -68,13 +68,13 @@ Triangulation<S> triangulate(const Vec<S, 3>& bearing_anchor, std::span<const Tr
     for (const TriangulationView<S>& view : views) {
       const Vec<S, 3>& t = view.T_cj_ca.p();
       const Vec<S, 3> P = view.T_cj_ca.rotation() * bearing_anchor + out.inverse_range * t;  // (10)
-      const S inverse_norm = 1 / P.norm();
-      const Vec<S, 3> n = inverse_norm * P, r = n - view.bearing, J = inverse_norm * (t - n * n.dot(t));  // (12)
+      const S inverse_norm = 1 / norm(P);
+      const Vec<S, 3> n = inverse_norm * P, r = n - view.bearing, J = inverse_norm * (t - n * dot(n, t));  // (12)
       const S weight = 1 / (view.sigma_rad * view.sigma_rad);
-      information += weight * J.squaredNorm();
-      gradient += weight * J.dot(r);
-      out.chi2 += weight * r.squaredNorm();
-      in_front = in_front && n.dot(view.bearing) > 0;
+      information += weight * squared_norm(J);
+      gradient += weight * dot(J, r);
+      out.chi2 += weight * squared_norm(r);
+      in_front = in_front && dot(n, view.bearing) > 0;
     }
     out.variance = 1 / information;  // (13)
     const S step = -gradient * out.variance;

@@ -47,9 +47,9 @@ struct TwoView {
       if (!inlier[i]) continue;
       ++inliers;
       const Vec<S, 3> a = R * pairs[i].f1, across = pairs[i].f2.cross(t);
-      const S inverse_range = -pairs[i].f2.cross(a).dot(across);  // up to a positive factor
+      const S inverse_range = -dot(pairs[i].f2.cross(a), across);  // up to a positive factor
       (inverse_range > S(0) ? front : behind) += 1;
-      angles.push_back(std::atan2(a.cross(pairs[i].f2).norm(), a.dot(pairs[i].f2)));
+      angles.push_back(std::atan2(norm(a.cross(pairs[i].f2)), dot(a, pairs[i].f2)));
     }
     if (behind > front) t = -t;
     in_front = std::max(front, behind);

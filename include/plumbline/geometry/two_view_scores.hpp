@@ -80,8 +80,8 @@ class TwoViewScores {
       const S score = epipolar_score(E, pair);
       if (!(score > S(0))) continue;
       const Vec<S, 3> a = product(R, pair.f1), across = pair.f2.cross(t);
-      const S length = across.norm(), angle = -pair.f2.cross(a).dot(across) / length;  // between f2 and R f1, signed
-      const bool behind = angle < -slack_ || pair.f2.dot(a) * length + angle * pair.f2.dot(t) < S(0);
+      const S length = norm(across), angle = -dot(pair.f2.cross(a), across) / length;  // between f2 and R f1, signed
+      const bool behind = angle < -slack_ || dot(pair.f2, a) * length + angle * dot(pair.f2, t) < S(0);
       out.support += behind ? -score : score;
       out.pairs += !behind;
     }

@@ -101,12 +101,12 @@ float mean_of(const Vec<float, N>& a) {
 }
 /// a . b
 template <int N>
-float dot(const Vec<float, N>& a, const Vec<float, N>& b) {
+float sum_of_products(const Vec<float, N>& a, const Vec<float, N>& b) {
   return detail::sum<N>(detail::Products{a.data(), b.data()});
 }
 /// a . a
 template <int N>
-float squared_norm(const Vec<float, N>& a) {
+float sum_of_squares(const Vec<float, N>& a) {
   return detail::sum<N>(detail::Squares{a.data()});
 }
 /// Sum of (a_j - offset)^2.

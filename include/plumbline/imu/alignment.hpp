@@ -80,7 +80,7 @@ struct InertialAlignment {
   AlignmentOutcome outcome = AlignmentOutcome::too_few_frames;
   SO3<S> R_world_ref;
   S scale = S(1);  ///< metres in one unit of the camera poses
-  Vec<S, 3> bias_gyro = Vec<S, 3>::Zero(), bias_accel = Vec<S, 3>::Zero();
+  Vec<S, 3> bias_gyro = zeros<S, 3>(), bias_accel = zeros<S, 3>();
   FixedVector<Vec<S, 3>, std::size_t(MaxFrames)> v_world_body;  ///< for each frame [m/s]
   // Figures, as far as it came:
   double gyro_residual = 0;     ///< rms [rad]
@@ -118,7 +118,7 @@ struct AlignmentUnknowns {
 
 /// Of the mean specific forces between frames, in `ref` [m/s^2].
 struct SpecificForce {
-  Vec<double, 3> mean = Vec<double, 3>::Zero();
+  Vec<double, 3> mean = zeros<double, 3>();
   double deviation = 0;  ///< root mean square
 };
 
@@ -129,10 +129,10 @@ SpecificForce specific_force(std::span<const AlignmentFrame<P>> frames, const SO
   for (std::size_t k = 1; k < frames.size(); ++k) {
     const auto& d = frames[k].imu->increment();
     const SO3<double> R = frames[k - 1].T_ref_cam.rotation().template cast<double>() * R_cam_body;
-    const Vec<double, 3> f = R * Vec<double, 3>(d.delta.dv.template cast<double>() / double(d.duration));
+    const Vec<double, 3> f = R * Vec<double, 3>(cast_to<double>(d.delta.dv) / double(d.duration));
     const Vec<double, 3> step = f - out.mean;
     out.mean += step / ++n;
-    squared += step.dot(f - out.mean);
+    squared += dot(step, f - out.mean);
   }
   out.deviation = std::sqrt(squared / n);
   return out;
@@ -147,9 +147,9 @@ bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chai
   using Mat3 = Mat<double, 3, 3>;
   const auto& d = end.imu->increment();
   const double t = double(d.duration);
-  const Vec3 dp = d.delta.dp.template cast<double>(), dv = d.delta.dv.template cast<double>();
-  const Vec3 bias = d.bias_accel.template cast<double>(), p_body_cam = T_body_cam.p();
-  const Mat3 J_p_a = d.J_p_a().template cast<double>(), J_v_a = d.J_v_a().template cast<double>();
+  const Vec3 dp = cast_to<double>(d.delta.dp), dv = cast_to<double>(d.delta.dv);
+  const Vec3 bias = cast_to<double>(d.bias_accel), p_body_cam = T_body_cam.p();
+  const Mat3 J_p_a = cast_to<double>(d.J_p_a()), J_v_a = cast_to<double>(d.J_v_a());
   const SE3<double> T_i = begin.T_ref_cam.template cast<double>(), T_j = end.T_ref_cam.template cast<double>();
   const SO3<double> R_i_ref = T_body_cam.rotation() * T_i.rotation().inverse();
   const SO3<double> R_i_j = R_i_ref * T_j.rotation() * T_body_cam.rotation().inverse();
@@ -158,7 +158,7 @@ bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chai
   Mat<double, 6, 3> A_begin, A_end;
   set_block(A_begin, 0, 0, t_Rt);
   set_block(A_begin, 3, 0, Rt);
-  A_end.setZero();
+  set_zero(A_end);
   set_block(A_end, 3, 0, Mat3(-Rt));
   Mat<double, 6, AlignmentUnknowns::count> B;
   set_block(B, 0, AlignmentUnknowns::g, Mat3(0.5 * t * t_Rt));
@@ -168,17 +168,17 @@ bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chai
   set_block(B, 0, AlignmentUnknowns::b_a, J_p_a);
   set_block(B, 3, AlignmentUnknowns::b_a, J_v_a);
   Vec<double, 6> c;
-  c.setZero();
+  set_zero(c);
   set_segment(c, 0, Vec3(R_i_ref * Vec3(T_j.p() - T_i.p())));
 
   Mat<double, 6, 3> reaction;  // to a rotation of frame i
   set_block(reaction, 0, 0, hat(dp));
   set_block(reaction, 3, 0, hat(dv));
   Mat<double, 6, 6> variance = product_transposed(reaction, reaction);
-  variance *= options.rotation_sigma * options.rotation_sigma;
-  variance += block<6, 6>(d.covariance, 3, 3).template cast<double>();
+  variance = (options.rotation_sigma * options.rotation_sigma) * variance;
+  variance += cast_to<double>(block<6, 6>(d.covariance, 3, 3));
   for (int k = 0; k < 6; ++k) variance(k, k) += 1e-12;
-  variance *= lambda * lambda;
+  variance = (lambda * lambda) * variance;
   for (int k = 0; k < 3; ++k) variance(k, k) += 2 * options.position_sigma * options.position_sigma;
   const Result<Mat<double, 6, 6>> L = square_root_information(variance);
   if (!L) return false;
@@ -214,13 +214,13 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
   const GyroBias gyro = estimate_gyro_bias<P>(frames, T_body_cam.rotation(), options.rotation_sigma);
   out.gyro_residual = gyro.residual;
   if (!gyro.valid || !(gyro.residual <= options.max_gyro_residual)) return stop(AlignmentOutcome::rotations_disagree);
-  out.bias_gyro = gyro.bias.template cast<S>();
+  out.bias_gyro = cast_to<S>(gyro.bias);
   const detail::SpecificForce force = detail::specific_force<P>(frames, T_body_camera.rotation().inverse());
   out.excitation = force.deviation;
   // Degrees of freedom: 6 rows an interval, three of b', those of (8) and metric; less velocities and common unknowns.
   const double freedom = 6 * double(frames.size() - 1) + 3 - 3 * double(frames.size()) - int(Unknowns::count);
 
-  Vec<double, 3> g = Vec<double, 3>::Zero();
+  Vec<double, 3> g = zeros<double, 3>();
   double lambda = 1;
   VelocityChain<MaxFrames, Unknowns::count> chain;
   constexpr int free_rounds = 2, rounds = 7;       // the weights depend on lambda
@@ -228,7 +228,7 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
   for (int round = 0; round < rounds; ++round) {
     const bool free = round < free_rounds;
     const auto add_prior = [&](int k, double weight, double value) {
-      Row row = Row::Zero();
+      Row row = zeros<Row>();
       row[k] = weight;
       chain.add_common_row(row, weight * value);
     };
@@ -238,8 +238,8 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
       add_prior(Unknowns::b_a + i, (free ? pinned : 1 / options.accel_bias_sigma) / lambda, 0);
     if (!free) {  // (8)
       const double weight = on_sphere / lambda;
-      Row row = Row::Zero();
-      for (int i = 0; i < 3; ++i) row[Unknowns::g + i] = weight * g[i] / g.norm();
+      Row row = zeros<Row>();
+      for (int i = 0; i < 3; ++i) row[Unknowns::g + i] = weight * g[i] / norm(g);
       row[Unknowns::lambda] = -weight * gravity;
       chain.add_common_row(row, 0);
     }
@@ -252,26 +252,26 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
     g = segment<3>(chain.common(), Unknowns::g) / signed_lambda;
     lambda = std::abs(signed_lambda);
     if (round == free_rounds - 1) {
-      out.gravity_norm = g.norm();
-      Row J = Row::Zero();  // of |g' / lambda|
+      out.gravity_norm = norm(g);
+      Vec<double, Unknowns::count> J = zeros<double, Unknowns::count>();  // of |g' / lambda|
       for (int i = 0; i < 3; ++i) J[Unknowns::g + i] = g[i] / (out.gravity_norm * signed_lambda);
       J[Unknowns::lambda] = -out.gravity_norm / signed_lambda;
       const double chi2 = chain.cost() / (freedom + (options.metric ? 1 : 0));
-      const double sigma = std::sqrt(std::max(1.0, chi2) * double(J * chain.covariance() * J.transpose()));
+      const double sigma = std::sqrt(std::max(1.0, chi2) * quadratic_form(chain.covariance(), J));
       const double error = std::abs(out.gravity_norm - gravity);
       if (!(error <= options.max_gravity_error * gravity + 3 * sigma))
         return stop(AlignmentOutcome::gravity_implausible);
       // Hardly accelerated, the accelerometer shows the vertical better than its double integral.
-      if (!(error <= options.max_gravity_error * gravity)) g = -gravity * force.mean.normalized();
+      if (!(error <= options.max_gravity_error * gravity)) g = -gravity * normalized(force.mean);
     }
   }
 
   out.chi2 = chain.cost() / (freedom + (options.metric ? 2 : 1));
-  Mat<double, 7, 7> covariance = chain.covariance();
-  covariance *= std::max(1.0, out.chi2);
-  const auto variance = [&](int k) { return covariance(k, k); };
-  const Mat<double, 3, 3> across = hat(g.normalized());  // |across dg| is the part of dg normal to g
-  const Mat<double, 3, 3> tilt = product_transposed(product(across, block<3, 3>(covariance, 0, 0)), across);
+  const Mat<double, 7, 7> covariance = chain.covariance();
+  const double inflation = std::max(1.0, out.chi2);
+  const auto variance = [&](int k) { return inflation * covariance(k, k); };
+  const Mat<double, 3, 3> across = hat(normalized(g));  // |across dg| is the part of dg normal to g
+  const Mat<double, 3, 3> tilt = product_transposed(product(across, inflation * block<3, 3>(covariance, 0, 0)), across);
   out.gravity_sigma = std::sqrt(tilt.trace()) / (lambda * gravity);
   out.scale_sigma = std::sqrt(variance(Unknowns::lambda)) / lambda;
   constexpr int b = Unknowns::b_a;
@@ -283,10 +283,10 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
   out.R_world_ref = R_world_ref.template cast<S>();
   out.scale = S(1 / lambda);
   const Vec<double, 3> bias_accel = segment<3>(chain.common(), Unknowns::b_a) / lambda;
-  out.bias_accel = bias_accel.cast<S>();
+  out.bias_accel = cast_to<S>(bias_accel);
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const Vec<double, 3> v_world_body = R_world_ref * Vec<double, 3>(chain.velocity(int(k)) / lambda);
-    out.v_world_body.push_back(v_world_body.cast<S>());
+    out.v_world_body.push_back(cast_to<S>(v_world_body));
   }
   for (std::size_t k = 1; k < frames.size(); ++k) frames[k].imu->reintegrate(out.bias_gyro, out.bias_accel);
 

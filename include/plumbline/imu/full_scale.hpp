@@ -24,7 +24,7 @@ class FullScaleFinder {
   explicit FullScaleFinder(const FullScaleOptions& options) : options_(options) {}
 
   void add(const Vec<double, 3>& reading) {
-    const bool was_none = reading.cwiseAbs().maxCoeff() > found_;
+    const bool was_none = max_abs(reading) > found_;
     if (was_none) found_ = none;
     if (was_none || ++count_ > options_.readings) {
       tops_ = {};

@@ -26,11 +26,16 @@ Vec<S, 3> gravity_in_world(S magnitude = standard_gravity<S>) {
 /// (2), from the direction of gravity in the body frame, any length but zero.
 template <std::floating_point S>
 SO3<S> upright(const Vec<S, 3>& gravity_body) {
-  const Vec<S, 3> up = -gravity_body.normalized();
-  const Vec<S, 3> axis = Vec<S, 3>::Unit(std::abs(up.x()) < S(0.7071) ? 0 : 2);
-  const Vec<S, 3> x = (axis - axis.dot(up) * up).normalized();
+  const Vec<S, 3> up = -normalized(gravity_body);
+  const Vec<S, 3> axis = std::abs(up.x()) < S(0.7071) ? Vec<S, 3>(1, 0, 0) : Vec<S, 3>(0, 0, 1);
+  const Vec<S, 3> x = normalized(axis - dot(axis, up) * up);
+  const Vec<S, 3> y = up.cross(x);
   Mat<S, 3, 3> R_world_body;
-  R_world_body << x.transpose(), up.cross(x).transpose(), up.transpose();
+  for (int k = 0; k < 3; ++k) {
+    R_world_body(0, k) = x[k];
+    R_world_body(1, k) = y[k];
+    R_world_body(2, k) = up[k];
+  }
   return SO3<S>::from_matrix(R_world_body);
 }
 

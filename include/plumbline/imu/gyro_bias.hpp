@@ -18,9 +18,9 @@
 namespace plumbline {
 
 struct GyroBias {
-  bool valid = false;                            ///< enough readings, all finite
-  Vec<double, 3> bias = Vec<double, 3>::Zero();  ///< [rad/s]
-  double residual = 0;                           ///< rms rotation between vision and IMU, for each pair of frames [rad]
+  bool valid = false;                        ///< enough readings, all finite
+  Vec<double, 3> bias = zeros<double, 3>();  ///< [rad/s]
+  double residual = 0;                       ///< rms rotation between vision and IMU, for each pair of frames [rad]
 };
 
 /// (5). Leaves the frames' preintegrations integrated about the result; sigma is vision's for a rotation [rad].
@@ -33,29 +33,31 @@ GyroBias estimate_gyro_bias(std::span<const AlignmentFrame<P>> frames, const SO3
   const SO3<double> R_cam_body = R_body_cam.inverse().template cast<double>();
   constexpr int rounds = 3;
   for (int round = 0; round <= rounds; ++round) {  // the last one for the residual
-    Mat<double, 3, 3> H = Mat<double, 3, 3>::Zero();
-    Vec<double, 3> b = Vec<double, 3>::Zero();
+    Mat<double, 3, 3> H = zeros<double, 3, 3>();
+    Vec<double, 3> b = zeros<double, 3>();
     double squared = 0;
     for (std::size_t k = 1; k < frames.size(); ++k) {
       const ImuIncrement<S>& d = frames[k].imu->increment();
       const SO3<double> R_i = frames[k - 1].T_ref_cam.rotation().template cast<double>() * R_cam_body;
       const SO3<double> R_j = frames[k].T_ref_cam.rotation().template cast<double>() * R_cam_body;
       const Vec<double, 3> e = (d.delta.dR.template cast<double>().inverse() * R_i.inverse() * R_j).log();
-      const Mat<double, 3, 3> J = d.J_R_g().template cast<double>();
-      Mat<double, 3, 3> variance = block<3, 3>(d.covariance, 0, 0).template cast<double>();
+      const Mat<double, 3, 3> J = cast_to<double>(d.J_R_g());
+      Mat<double, 3, 3> variance = cast_to<double>(block<3, 3>(d.covariance, 0, 0));
       for (int i = 0; i < 3; ++i) variance(i, i) += 2 * rotation_sigma * rotation_sigma + 1e-12;
       const Mat<double, 3, 3> W = variance.inverse(), Jt_W = J.transpose() * W;
-      const Vec<double, 3> bias = d.bias_gyro.template cast<double>();
+      const Vec<double, 3> bias = cast_to<double>(d.bias_gyro);
       H += Jt_W * J;
       b += Jt_W * Vec<double, 3>(e + J * bias);
-      squared += e.squaredNorm();
+      squared += squared_norm(e);
     }
     out.residual = std::sqrt(squared / static_cast<double>(frames.size() - 1));
     if (round == rounds) break;
-    out.bias = H.inverse() * b;
-    if (!out.bias.allFinite()) return out;
+    Mat<double, 3, 3> H_inverse;
+    if (!invert(H, H_inverse)) return out;
+    out.bias = H_inverse * b;
+    if (!all_finite(out.bias)) return out;
     for (std::size_t k = 1; k < frames.size(); ++k)
-      frames[k].imu->reintegrate(out.bias.template cast<S>(), frames[k].imu->increment().bias_accel);
+      frames[k].imu->reintegrate(cast_to<S>(out.bias), frames[k].imu->increment().bias_accel);
   }
   out.valid = std::isfinite(out.residual);
   return out;

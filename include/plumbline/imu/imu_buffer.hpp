@@ -148,12 +148,8 @@ class ImuBuffer {
 
   bool frozen(const Item& item) const { return item.repeated >= options_.frozen_samples; }
 
-  bool gyro_saturated(const Item& item) const {
-    return item.sample.gyro.cwiseAbs().maxCoeff() >= at_rail * gyro_full_scale();
-  }
-  bool accel_saturated(const Item& item) const {
-    return item.sample.accel.cwiseAbs().maxCoeff() >= at_rail * accel_full_scale();
-  }
+  bool gyro_saturated(const Item& item) const { return max_abs(item.sample.gyro) >= at_rail * gyro_full_scale(); }
+  bool accel_saturated(const Item& item) const { return max_abs(item.sample.accel) >= at_rail * accel_full_scale(); }
 
   /// Since when item i repeats its numbers, since when its sensors are at their rails, how it shakes.
   void follow(std::size_t i) {
@@ -165,7 +161,9 @@ class ImuBuffer {
     item.vibration = i == 1 ? before.vibration : vibration(items_[i - 2], before, item);
     if (gyro_saturated(item)) item.gyro_in_range_ns = before.gyro_in_range_ns;
     if (accel_saturated(item)) item.accel_in_range_ns = before.accel_in_range_ns;
-    if (item.sample.gyro != before.sample.gyro || item.sample.accel != before.sample.accel) return;
+    for (int k = 0; k < 3; ++k) {
+      if (item.sample.gyro[k] != before.sample.gyro[k] || item.sample.accel[k] != before.sample.accel[k]) return;
+    }
     item.repeated = std::min(before.repeated + 1, options_.frozen_samples);
     item.live_ns = before.live_ns;
   }
@@ -175,7 +173,7 @@ class ImuBuffer {
     if (seconds_between(first.sample.t_ns, third.sample.t_ns) > 2 * options_.gap_s) return second.vibration;
     const Vec<double, 3> bend = third.sample.accel - 2 * second.sample.accel + first.sample.accel;
     const double part = seconds_between(second.sample.t_ns, third.sample.t_ns) / options_.vibration_s;
-    return second.vibration + std::min(1.0, part) * (bend.squaredNorm() / 18 - second.vibration);
+    return second.vibration + std::min(1.0, part) * (squared_norm(bend) / 18 - second.vibration);
   }
 
   ImuBufferOptions options_;
@@ -188,7 +186,7 @@ class ImuBuffer {
 template <std::size_t Capacity>
 Result<typename ImuBuffer<Capacity>::Accepted> ImuBuffer<Capacity>::add(const ImuSample& sample) {
   constexpr TimeNs possible_ns = 4'000'000'000'000'000'000;  // differences fit into 64 bits
-  if (!sample.gyro.allFinite() || !sample.accel.allFinite() || sample.t_ns < -possible_ns ||
+  if (!all_finite(sample.gyro) || !all_finite(sample.accel) || sample.t_ns < -possible_ns ||
       sample.t_ns > possible_ns) {
     ++counts_.not_finite;
     return Error::not_finite;
@@ -212,8 +210,10 @@ Result<typename ImuBuffer<Capacity>::Accepted> ImuBuffer<Capacity>::add(const Im
   const double w = gyro_full_scale(), a = accel_full_scale();
   Item item{};
   item.sample.t_ns = sample.t_ns;
-  item.sample.gyro = sample.gyro.cwiseMax(-w).cwiseMin(w);
-  item.sample.accel = sample.accel.cwiseMax(-a).cwiseMin(a);
+  for (int k = 0; k < 3; ++k) {
+    item.sample.gyro[k] = std::min(std::max(sample.gyro[k], -w), w);
+    item.sample.accel[k] = std::min(std::max(sample.accel[k], -a), a);
+  }
   const std::size_t at = items_.insert(place, item);
   for (std::size_t i = at; i < size(); ++i) follow(i);
   out.saturated = gyro_saturated(item) || accel_saturated(item);

@@ -30,10 +30,10 @@ struct ImuIncrement {
   };
 
   S duration = S(0);  ///< Dt [s]
-  Delta delta{SO3<S>(), Vec<S, 3>::Zero(), Vec<S, 3>::Zero()};
-  Vec<S, 3> bias_gyro = Vec<S, 3>::Zero(), bias_accel = Vec<S, 3>::Zero();  ///< point of linearization
-  Mat<S, 15, 15> covariance = Mat<S, 15, 15>::Zero();                       ///< S, of [dphi dp dv dbg dba]
-  Mat<S, 9, 6> J_delta_bias = Mat<S, 9, 6>::Zero();                         ///< of [dphi dp dv] by [bg ba]
+  Delta delta{SO3<S>(), zeros<S, 3>(), zeros<S, 3>()};
+  Vec<S, 3> bias_gyro = zeros<S, 3>(), bias_accel = zeros<S, 3>();  ///< point of linearization
+  Mat<S, 15, 15> covariance = zeros<S, 15, 15>();                   ///< S, of [dphi dp dv dbg dba]
+  Mat<S, 9, 6> J_delta_bias = zeros<S, 9, 6>();                     ///< of [dphi dp dv] by [bg ba]
 
   Mat<S, 3, 3> J_R_g() const { return block<3, 3>(J_delta_bias, 0, 0); }
   Mat<S, 3, 3> J_p_g() const { return block<3, 3>(J_delta_bias, 3, 0); }
@@ -84,7 +84,7 @@ void ImuIncrement<S>::integrate(const ImuInterval<S>& interval, const ImuNoise& 
 
   const Mat3 phi_g = -dt * SO3<S>::right_jacobian(phi), R1_a1_Et = R1_a1 * Et, v_phi = R0 * hat(a0) + R1_a1_Et;
   Mat<S, 9, 15> F;  // rows dphi, dp, dv of (4); those of the biases are the identity
-  F.setZero();
+  set_zero(F);
   set_block(F, 0, 0, Et);
   set_block(F, 0, 9, phi_g);
   set_block(F, 6, 0, Mat3(-half_dt * v_phi));

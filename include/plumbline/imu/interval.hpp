@@ -29,10 +29,10 @@ struct ImuInterval {
   template <std::floating_point Other>
   ImuInterval<Other> cast() const {
     return {Other(dt),
-            gyro_begin.template cast<Other>(),
-            gyro_end.template cast<Other>(),
-            accel_begin.template cast<Other>(),
-            accel_end.template cast<Other>(),
+            cast_to<Other>(gyro_begin),
+            cast_to<Other>(gyro_end),
+            cast_to<Other>(accel_begin),
+            cast_to<Other>(accel_end),
             Other(gyro_sigma),
             Other(accel_sigma)};
   }

@@ -19,9 +19,9 @@ struct NavState {
   enum Offset : int { rotation = 0, position = 3, velocity = 6, gyro_bias = 9, accel_bias = 12 };  ///< within (1)
 
   SE3<S> T_world_body;
-  Vec<S, 3> v_world_body = Vec<S, 3>::Zero();  ///< [m/s]
-  Vec<S, 3> bias_gyro = Vec<S, 3>::Zero();     ///< [rad/s]
-  Vec<S, 3> bias_accel = Vec<S, 3>::Zero();    ///< [m/s^2]
+  Vec<S, 3> v_world_body = zeros<S, 3>();  ///< [m/s]
+  Vec<S, 3> bias_gyro = zeros<S, 3>();     ///< [rad/s]
+  Vec<S, 3> bias_accel = zeros<S, 3>();    ///< [m/s^2]
 
   bool is_finite() const {
     return T_world_body.is_finite() && all_finite(v_world_body) && all_finite(bias_gyro) && all_finite(bias_accel);
@@ -29,8 +29,8 @@ struct NavState {
 
   template <std::floating_point Other>
   NavState<Other> cast() const {
-    return {T_world_body.template cast<Other>(), v_world_body.template cast<Other>(), bias_gyro.template cast<Other>(),
-            bias_accel.template cast<Other>()};
+    return {T_world_body.template cast<Other>(), cast_to<Other>(v_world_body), cast_to<Other>(bias_gyro),
+            cast_to<Other>(bias_accel)};
   }
 };
 
@@ -54,7 +54,7 @@ Vec<S, 15> minus(const NavState<S>& x1, const NavState<S>& x0) {
 /// d minus(x, x0) / dx, 15x15.
 template <class S>
 Mat<S, 15, 15> minus_jacobian(const NavState<S>& x, const NavState<S>& x0) {
-  Mat<S, 15, 15> J = Mat<S, 15, 15>::Identity();
+  Mat<S, 15, 15> J = identity<S, 15>();
   set_block(J, 0, 0, minus_jacobian(x.T_world_body, x0.T_world_body));
   return J;
 }

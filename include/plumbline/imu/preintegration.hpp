@@ -26,8 +26,8 @@ class Preintegration {
   using Intervals = FixedVector<ImuInterval<S>, Capacity>;
 
   Preintegration() = default;
-  explicit Preintegration(const ImuNoise& noise, const Vec<S, 3>& bias_gyro = Vec<S, 3>::Zero(),
-                          const Vec<S, 3>& bias_accel = Vec<S, 3>::Zero())
+  explicit Preintegration(const ImuNoise& noise, const Vec<S, 3>& bias_gyro = zeros<S, 3>(),
+                          const Vec<S, 3>& bias_accel = zeros<S, 3>())
       : noise_(noise), increment_(bias_gyro, bias_accel) {}
 
   /// The next interval; one without duration (or NaN) is refused.
@@ -53,8 +53,8 @@ class Preintegration {
   /// error of the velocity above a tenth of its sigma. The accelerometer bias is corrected exactly.
   bool is_far(const Vec<S, 3>& bias_gyro) const {
     const Vec<S, 3> d = bias_gyro - increment_.bias_gyro;
-    const S angle = d.norm() * increment_.duration, variance = increment_.covariance(6, 6);
-    const S velocity = (increment_.J_v_g() * d).norm() * angle;
+    const S angle = norm(d) * increment_.duration, variance = increment_.covariance(6, 6);
+    const S velocity = norm(increment_.J_v_g() * d) * angle;
     return !(angle <= S(0.01)) || velocity * velocity > S(0.01) * variance;
   }
 

@@ -8,8 +8,8 @@ namespace plumbline {
 
 struct ImuSample {
   TimeNs t_ns = 0;
-  Vec<double, 3> gyro = Vec<double, 3>::Zero();   ///< angular rate [rad/s]
-  Vec<double, 3> accel = Vec<double, 3>::Zero();  ///< specific force [m/s^2]; (0, 0, +9.81) at rest and level
+  Vec<double, 3> gyro = zeros<double, 3>();   ///< angular rate [rad/s]
+  Vec<double, 3> accel = zeros<double, 3>();  ///< specific force [m/s^2]; (0, 0, +9.81) at rest and level
 };
 
 }  // namespace plumbline

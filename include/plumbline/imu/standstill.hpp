@@ -49,9 +49,9 @@ constexpr const char* name_of(StandstillVerdict verdict) {
 struct StandstillReport {
   StandstillVerdict verdict = StandstillVerdict::too_few_samples;
   int blocks = 0;
-  Vec<double, 3> mean_gyro = Vec<double, 3>::Zero();   ///< [rad/s]
-  Vec<double, 3> mean_accel = Vec<double, 3>::Zero();  ///< [m/s^2]
-  double gyro_spread = 0, accel_spread = 0;            ///< (3)
+  Vec<double, 3> mean_gyro = zeros<double, 3>();   ///< [rad/s]
+  Vec<double, 3> mean_accel = zeros<double, 3>();  ///< [m/s^2]
+  double gyro_spread = 0, accel_spread = 0;        ///< (3)
 
   bool at_rest() const { return verdict == StandstillVerdict::at_rest; }
 };
@@ -66,7 +66,7 @@ StandstillReport standstill(const ImuBuffer<Capacity>& buffer, TimeNs t_end_ns, 
   double gyro_scatter = 0, accel_scatter = 0;
   for (int b = 0; b < options.blocks; ++b) {
     const TimeNs block_end = t_end_ns - (options.blocks - 1 - b) * block_ns;
-    Vec<double, 3> gyro = Vec<double, 3>::Zero(), accel = Vec<double, 3>::Zero();
+    Vec<double, 3> gyro = zeros<double, 3>(), accel = zeros<double, 3>();
     int count = 0;
     for (; i < buffer.size() && buffer[i].t_ns <= block_end; ++i, ++count) {
       gyro += buffer[i].gyro;
@@ -77,8 +77,8 @@ StandstillReport standstill(const ImuBuffer<Capacity>& buffer, TimeNs t_end_ns, 
     const double n = ++out.blocks;  // mean and scatter of the block means, updated
     out.mean_gyro += dg / n;
     out.mean_accel += da / n;
-    gyro_scatter += dg.squaredNorm() * (n - 1) / n;
-    accel_scatter += da.squaredNorm() * (n - 1) / n;
+    gyro_scatter += squared_norm(dg) * (n - 1) / n;
+    accel_scatter += squared_norm(da) * (n - 1) / n;
   }
   out.gyro_spread = std::sqrt(gyro_scatter / options.blocks);  // (3)
   out.accel_spread = std::sqrt(accel_scatter / options.blocks);
@@ -86,8 +86,8 @@ StandstillReport standstill(const ImuBuffer<Capacity>& buffer, TimeNs t_end_ns, 
     out.verdict = StandstillVerdict::rotating;
   } else if (!(out.accel_spread <= options.accel_spread)) {
     out.verdict = StandstillVerdict::accelerating;
-  } else if (!(out.mean_gyro.norm() <= options.gyro_bias) ||
-             !(std::abs(out.mean_accel.norm() - gravity) <= options.gravity_error)) {
+  } else if (!(norm(out.mean_gyro) <= options.gyro_bias) ||
+             !(std::abs(norm(out.mean_accel) - gravity) <= options.gravity_error)) {
     out.verdict = StandstillVerdict::implausible;
   } else {
     out.verdict = StandstillVerdict::at_rest;
@@ -98,11 +98,11 @@ StandstillReport standstill(const ImuBuffer<Capacity>& buffer, TimeNs t_end_ns, 
 /// (4): the state at the origin, upright, without velocity and yaw.
 template <std::floating_point S>
 NavState<S> state_at_rest(const StandstillReport& report, double gravity = standard_gravity<double>) {
-  const Vec<double, 3> up = report.mean_accel.normalized();
+  const Vec<double, 3> up = normalized(report.mean_accel);
   NavState<double> x;
-  x.T_world_body = SE3<double>(upright<double>(-up), Vec<double, 3>::Zero());
+  x.T_world_body = SE3<double>(upright<double>(-up), zeros<double, 3>());
   x.bias_gyro = report.mean_gyro;
-  x.bias_accel = (report.mean_accel.norm() - gravity) * up;
+  x.bias_accel = (norm(report.mean_accel) - gravity) * up;
   return x.cast<S>();
 }
 

@@ -26,13 +26,13 @@ InterpolatedPose<S> interpolate(const SE3<S>& T0, const SE3<S>& T1, S a) {
   using Mat3 = Mat<S, 3, 3>;
   InterpolatedPose<S> out;
   const Vec<S, 3> psi = (T0.rotation().inverse() * T1.rotation()).log();
-  out.valid = psi.norm() < std::numbers::pi_v<S> - S(0.1) && a >= 0 && a <= 1;
+  out.valid = norm(psi) < std::numbers::pi_v<S> - S(0.1) && a >= 0 && a <= 1;
   if (!out.valid) return out;
   const SO3<S> step = SO3<S>::exp(a * psi);
   out.T = SE3<S>(T0.rotation() * step, (1 - a) * T0.p() + a * T1.p());  // (12)
   const Mat3 J = a * SO3<S>::right_jacobian(a * psi), Rt = out.T.R().transpose();
   const auto blocks = [](const Mat3& J_rotation, const Mat3& J_translation) {
-    Mat<S, 6, 6> full = Mat<S, 6, 6>::Zero();
+    Mat<S, 6, 6> full = zeros<S, 6, 6>();
     full.template topLeftCorner<3, 3>() = J_rotation;
     full.template bottomRightCorner<3, 3>() = J_translation;
     return full;

@@ -29,7 +29,7 @@ SE3<S> plus(const SE3<S>& T, const Vec<S, 6>& d) {
 
 template <class S>
 Sim3<S> plus(const Sim3<S>& X, const Vec<S, 7>& d) {
-  return X * Sim3<S>(std::exp(d[6]), SO3<S>::exp(d.template head<3>()), d.template segment<3>(3));
+  return X * Sim3<S>(std::exp(d[6]), SO3<S>::exp(segment<3>(d, 0)), segment<3>(d, 3));
 }
 
 template <class S, int N>
@@ -68,8 +68,8 @@ Mat<S, 3, 3> minus_jacobian(const SO3<S>& R, const SO3<S>& R0) {
 template <class S>
 Mat<S, 7, 7> minus_jacobian(const Sim3<S>& X, const Sim3<S>& X0) {
   const Sim3<S> E = X0.inverse() * X;
-  Mat<S, 7, 7> J = Mat<S, 7, 7>::Identity();
-  J.template topLeftCorner<3, 3>() = SO3<S>::right_jacobian_inverse(E.rotation().log());
+  Mat<S, 7, 7> J = identity<S, 7>();
+  set_block(J, 0, 0, SO3<S>::right_jacobian_inverse(E.rotation().log()));
   J.template block<3, 3>(3, 3) = E.scale() * E.rotation().matrix();
   return J;
 }
@@ -78,7 +78,7 @@ Mat<S, 7, 7> minus_jacobian(const Sim3<S>& X, const Sim3<S>& X0) {
 template <class S>
 Mat<S, 6, 6> minus_jacobian(const SE3<S>& T, const SE3<S>& T0) {
   const SO3<S> R0_R = T0.rotation().inverse() * T.rotation();
-  Mat<S, 6, 6> J = Mat<S, 6, 6>::Zero();
+  Mat<S, 6, 6> J = zeros<S, 6, 6>();
   set_block(J, 0, 0, SO3<S>::right_jacobian_inverse(R0_R.log()));
   set_block(J, 3, 3, R0_R.matrix());
   return J;

@@ -23,7 +23,7 @@ class SE3 {
   using Tangent = Vec<S, 6>;
   using Matrix6 = Mat<S, 6, 6>;
 
-  SE3() : p_(Vec<S, 3>::Zero()) {}
+  SE3() : p_(zeros<S, 3>()) {}
   SE3(const SO3<S>& rotation, const Vec<S, 3>& p) : rotation_(rotation), p_(p) {}
 
   static SE3 exp(const Tangent& xi) {
@@ -51,12 +51,12 @@ class SE3 {
 
   template <std::floating_point Other>
   SE3<Other> cast() const {
-    return SE3<Other>(rotation_.template cast<Other>(), p_.template cast<Other>());
+    return SE3<Other>(rotation_.template cast<Other>(), cast_to<Other>(p_));
   }
 
   Matrix6 adjoint() const {
     const Mat<S, 3, 3> R = rotation_.matrix();
-    Matrix6 out = Matrix6::Zero();  // (5)
+    Matrix6 out = zeros<Matrix6>();  // (5)
     set_block(out, 0, 0, R);
     set_block(out, 3, 0, product(hat(p_), R));
     set_block(out, 3, 3, R);
@@ -64,15 +64,15 @@ class SE3 {
   }
 
   static Matrix6 left_jacobian(const Tangent& xi) {
-    const Mat<S, 3, 3> J = SO3<S>::left_jacobian(xi.template head<3>());
+    const Mat<S, 3, 3> J = SO3<S>::left_jacobian(segment<3>(xi, 0));
     Matrix6 out;
-    out << J, Mat<S, 3, 3>::Zero(), coupling(xi), J;  // (6)
+    out << J, zeros<S, 3, 3>(), coupling(xi), J;  // (6)
     return out;
   }
   static Matrix6 left_jacobian_inverse(const Tangent& xi) {
-    const Mat<S, 3, 3> J = SO3<S>::left_jacobian_inverse(xi.template head<3>());
+    const Mat<S, 3, 3> J = SO3<S>::left_jacobian_inverse(segment<3>(xi, 0));
     Matrix6 out;
-    out << J, Mat<S, 3, 3>::Zero(), -J * coupling(xi) * J, J;
+    out << J, zeros<S, 3, 3>(), -J * coupling(xi) * J, J;
     return out;
   }
   static Matrix6 right_jacobian(const Tangent& xi) { return left_jacobian(-xi); }
@@ -81,9 +81,9 @@ class SE3 {
  private:
   /// Q of (6).
   static Mat<S, 3, 3> coupling(const Tangent& xi) {
-    const Vec<S, 3> phi = xi.template head<3>();
-    const Mat<S, 3, 3> P = hat(phi), Rh = hat(xi.template tail<3>());
-    const S t = phi.squaredNorm();
+    const Vec<S, 3> phi = segment<3>(xi, 0);
+    const Mat<S, 3, 3> P = hat(phi), Rh = hat(segment<3>(xi, 3));
+    const S t = squared_norm(phi);
     S c1, c2, c3;
     if (t < RotationCoefficients<S>::series_below) {
       c1 = S(1) / 6 + t * (S(-1) / 120 + t * (S(1) / 5040 + t * (S(-1) / 362880)));

@@ -27,14 +27,14 @@ class Sim3 {
   static constexpr int dof = 7;
   using Tangent = Vec<S, 7>;
 
-  Sim3() : scale_(1), t_(Vec<S, 3>::Zero()) {}
+  Sim3() : scale_(1), t_(zeros<S, 3>()) {}
   /// scale > 0
   Sim3(S scale, const SO3<S>& rotation, const Vec<S, 3>& t) : scale_(scale), rotation_(rotation), t_(t) {}
   explicit Sim3(const SE3<S>& T) : Sim3(S(1), T.rotation(), T.p()) {}
 
   static Sim3 exp(const Tangent& xi) {
-    const Vec<S, 3> phi = xi.template head<3>();
-    return Sim3(std::exp(xi[6]), SO3<S>::exp(phi), translation_factor(phi, xi[6]) * xi.template segment<3>(3));  // (9)
+    const Vec<S, 3> phi = segment<3>(xi, 0);
+    return Sim3(std::exp(xi[6]), SO3<S>::exp(phi), translation_factor(phi, xi[6]) * segment<3>(xi, 3));  // (9)
   }
   Tangent log() const {
     const Vec<S, 3> phi = rotation_.log();
@@ -58,18 +58,18 @@ class Sim3 {
   Mat<S, 3, 3> R() const { return rotation_.matrix(); }
   const Vec<S, 3>& t() const { return t_; }
   bool is_finite() const {
-    return std::isfinite(scale_) && t_.allFinite() && rotation_.quaternion().coeffs().allFinite();
+    return std::isfinite(scale_) && all_finite(t_) && all_finite(rotation_.quaternion().coeffs());
   }
 
   template <std::floating_point Other>
   Sim3<Other> cast() const {
-    return Sim3<Other>(static_cast<Other>(scale_), rotation_.template cast<Other>(), t_.template cast<Other>());
+    return Sim3<Other>(static_cast<Other>(scale_), rotation_.template cast<Other>(), cast_to<Other>(t_));
   }
 
   Mat<S, 7, 7> adjoint() const {
     const Mat<S, 3, 3> R = rotation_.matrix();
-    Mat<S, 7, 7> out = Mat<S, 7, 7>::Identity();
-    out.template topLeftCorner<3, 3>() = R;
+    Mat<S, 7, 7> out = identity<S, 7>();
+    set_block(out, 0, 0, R);
     out.template block<3, 7>(3, 0) << hat(t_) * R, scale_ * R, -t_;  // (11)
     return out;
   }
@@ -77,8 +77,8 @@ class Sim3 {
  private:
   /// W of (9): Taylor series after halving X to norm 1/2, then doubled back by (10). No angle or scale is special.
   static Mat<S, 3, 3> translation_factor(const Vec<S, 3>& phi, S sigma) {
-    const Mat<S, 3, 3> I = Mat<S, 3, 3>::Identity();
-    S norm = std::sqrt(phi.squaredNorm() + sigma * sigma), shrink = 1;
+    const Mat<S, 3, 3> I = identity<S, 3>();
+    S norm = std::sqrt(squared_norm(phi) + sigma * sigma), shrink = 1;
     int halvings = 0;
     for (; norm > S(0.5) && halvings < 10; ++halvings, norm /= 2) shrink /= 2;
     Mat<S, 3, 3> X = shrink * (sigma * I + hat(phi)), W = I;

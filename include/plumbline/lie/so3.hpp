@@ -44,23 +44,24 @@ class SO3 {
   using Tangent = Vec<S, 3>;
   using Matrix = Mat<S, 3, 3>;
 
-  SO3() : q_(Eigen::Quaternion<S>::Identity()) {}
-  explicit SO3(const Eigen::Quaternion<S>& q) : SO3(q.normalized(), NearlyUnit{}) {}
+  SO3() : q_(S(1), S(0), S(0), S(0)) {}
+  explicit SO3(const Eigen::Quaternion<S>& q) : SO3(Eigen::Quaternion<S>(normalized(q.coeffs())), NearlyUnit{}) {}
   /// The rotation of an (approximately) orthonormal matrix, by largest-pivot extraction.
   static SO3 from_matrix(const Matrix& R) { return SO3(Eigen::Quaternion<S>(R)); }
 
   static SO3 exp(const Tangent& phi) {
-    const S t = phi.squaredNorm(), th_half = std::sqrt(t) / 2;
+    const S t = squared_norm(phi), th_half = std::sqrt(t) / 2;
     const S sinc_half = RotationCoefficients<S>::at(t / 4).A / 2;  // sin(th/2)/th
     return SO3({std::cos(th_half), sinc_half * phi.x(), sinc_half * phi.y(), sinc_half * phi.z()}, NearlyUnit{});
   }
 
   /// Rotation vector in the ball of radius pi; the sign of the axis is arbitrary exactly at pi.
   Tangent log() const {
-    const S n = q_.vec().norm(), w = q_.w();
+    const Vec<S, 3> v = vector_part();
+    const S n = norm(v), w = q_.w();
     const S small = std::is_same_v<S, float> ? S(1e-2) : S(1e-5);
-    if (n < small) return (2 / w) * (1 - n * n / (3 * w * w)) * q_.vec();
-    return (2 * std::atan2(n, w) / n) * q_.vec();
+    if (n < small) return (2 / w) * (1 - n * n / (3 * w * w)) * v;
+    return (2 * std::atan2(n, w) / n) * v;
   }
 
   SO3 inverse() const {
@@ -69,7 +70,10 @@ class SO3 {
     return out;
   }
   SO3 operator*(const SO3& other) const { return SO3(q_ * other.q_, NearlyUnit{}); }
-  Vec<S, 3> operator*(const Vec<S, 3>& x) const { return q_ * x; }
+  Vec<S, 3> operator*(const Vec<S, 3>& x) const {
+    const Vec<S, 3> v = vector_part(), half = v.cross(x), turned = half + half;
+    return x + q_.w() * turned + v.cross(turned);
+  }
 
   Matrix matrix() const { return q_.toRotationMatrix(); }
   Matrix adjoint() const { return matrix(); }
@@ -78,17 +82,17 @@ class SO3 {
 
   template <std::floating_point Other>
   SO3<Other> cast() const {
-    return SO3<Other>(q_.template cast<Other>());
+    return SO3<Other>(Eigen::Quaternion<Other>(cast_to<Other>(q_.coeffs())));
   }
 
   static Matrix right_jacobian(const Tangent& phi) {
-    const RotationCoefficients<S> c = RotationCoefficients<S>::at(phi.squaredNorm());
+    const RotationCoefficients<S> c = RotationCoefficients<S>::at(squared_norm(phi));
     return quadratic(phi, -c.B, c.C);  // (2)
   }
   static Matrix left_jacobian(const Tangent& phi) { return right_jacobian(-phi); }
 
   static Matrix right_jacobian_inverse(const Tangent& phi) {
-    const RotationCoefficients<S> c = RotationCoefficients<S>::at(phi.squaredNorm());
+    const RotationCoefficients<S> c = RotationCoefficients<S>::at(squared_norm(phi));
     return quadratic(phi, S(0.5), c.D);  // (3)
   }
   static Matrix left_jacobian_inverse(const Tangent& phi) { return right_jacobian_inverse(-phi); }
@@ -97,7 +101,7 @@ class SO3 {
   /// I + b P + c P^2,  P = [phi]x,  P^2 = phi phi^T - |phi|^2 I
   static Matrix quadratic(const Tangent& phi, S b, S c) {
     const Tangent b_phi = b * phi;
-    const S rest = S(1) - c * phi.squaredNorm();
+    const S rest = S(1) - c * squared_norm(phi);
     Matrix out = hat(b_phi);
     for (int j = 0; j < 3; ++j) {
       for (int i = 0; i < 3; ++i) out(i, j) += c * phi[i] * phi[j];
@@ -110,9 +114,10 @@ class SO3 {
   /// drift.
   struct NearlyUnit {};
   SO3(const Eigen::Quaternion<S>& q, NearlyUnit) : q_(q) {
-    const S scale = (3 - q.squaredNorm()) / 2;
-    q_.coeffs() *= q.w() < S(0) ? -scale : scale;
+    const S scale = (3 - squared_norm(q.coeffs())) / 2;
+    q_.coeffs() = (q.w() < S(0) ? -scale : scale) * q.coeffs();
   }
+  Vec<S, 3> vector_part() const { return {q_.x(), q_.y(), q_.z()}; }
 
   Eigen::Quaternion<S> q_;
 };

@@ -73,7 +73,7 @@ class ConstantVelocity {
     return {T};
   }
   bool revise(const State& /*before*/, State& /*solved*/, S /*dt*/) const { return false; }
-  void lose() { velocity_.setZero(); }
+  void lose() { set_zero(velocity_); }
   static constexpr bool carries_on() { return false; }
   Mat<S, 6, 6> covariance_grown(const Mat<S, 6, 6>& before) const { return before; }
   /// Where the body was seen last.
@@ -92,8 +92,8 @@ class ConstantVelocity {
 
  private:
   Options options_;
-  Vec<S, 6> velocity_ = Vec<S, 6>::Zero();  ///< [rad/s, m/s], body
-  Vec<S, 3> angular_rate_ = Vec<S, 3>::Zero();
+  Vec<S, 6> velocity_ = zeros<S, 6>();  ///< [rad/s, m/s], body
+  Vec<S, 3> angular_rate_ = zeros<S, 3>();
 };
 
 }  // namespace plumbline

@@ -73,7 +73,7 @@ class Inertial {
   double calibrate(auto& rig, const auto& window) {
     const SE3<S>& T_body_cam = window.T_body_cam(T_body_cam_calibrated_);
     const SO3<S> turned = T_body_cam.rotation() * rig.T_body_cam().rotation().inverse();
-    camera_imu_.turn_mount(turned.log().template cast<double>());
+    camera_imu_.turn_mount(cast_to<double>(turned.log()));
     rig.set_T_body_cam(T_body_cam);
     rig.set_time_offset(rig.time_offset_s() + camera_imu_.take_time_offset());
     imu_.set_camera_time_offset(rig.time_offset_s());
@@ -94,7 +94,7 @@ class Inertial {
   }
   /// Vision alone has no use for the lever arm: its body is the camera, turned. (Without depth it has another unit.)
   SE3<S> T_body_cam(const SE3<S>& extrinsics) const {
-    return is_metric_ ? extrinsics : SE3<S>(extrinsics.rotation(), Vec<S, 3>::Zero());
+    return is_metric_ ? extrinsics : SE3<S>(extrinsics.rotation(), zeros<S, 3>());
   }
 
   /// While images are of no use the velocity gets worse.
@@ -107,10 +107,10 @@ class Inertial {
       return {x, {}};
     }
     Prediction<State, S> out{latest, {true}};
-    if (at_rest_) out.state.v_world_body.setZero();
+    if (at_rest_) set_zero(out.state.v_world_body);
     if (!imu_.blind()) {
       out.state = increment.predict(out.state, gravity_);
-      if (at_rest_) out.state.v_world_body.setZero();
+      if (at_rest_) set_zero(out.state.v_world_body);
     } else {
       SO3<S> R_previous_now = increment.corrected(latest.bias_gyro, latest.bias_accel).dR;
       if (imu_.missing() || imu_.coverage().gyro_saturated_s > 0) {
@@ -169,7 +169,7 @@ class Inertial {
     camera_imu_.forget_world();
     State x = latest;
     x.T_world_body = {};
-    x.v_world_body.setZero();
+    set_zero(x.v_world_body);
     return x;
   }
 
@@ -228,8 +228,8 @@ class Inertial {
   void compare_orientation(const SO3<S>& R, const Mat<S, 6, 6>& covariance, const Vec<S, 3>& bias_gyro) {
     if (imu_.since_frame().empty()) return;
     const Vec<S, 3> rate = imu_.since_frame().intervals().back().mean_gyro() - bias_gyro;
-    camera_imu_.update(R.template cast<double>(), block<3, 3>(covariance, 0, 0).template cast<double>(),
-                       rate.template cast<double>());
+    camera_imu_.update(R.template cast<double>(), cast_to<double>(block<3, 3>(covariance, 0, 0)),
+                       cast_to<double>(rate));
   }
 
   /// Images that turn otherwise than the gyroscope, for some time, always alike and beyond doubt: its bias has jumped.
@@ -242,10 +242,10 @@ class Inertial {
     rate_variance_ = rest * rest * rate_variance_ + part * part * variance;
     since_jump_s_ += double(dt);
     const S clear = S(options_.rate_error_sigmas) * std::sqrt(rate_variance_);
-    if (!(rate_error_.norm() > std::max(S(options_.max_rate_error), clear))) return;
+    if (!(norm(rate_error_) > std::max(S(options_.max_rate_error), clear))) return;
     x.bias_gyro -= rate_error_;
     x.T_world_body = T;
-    rate_error_.setZero();
+    set_zero(rate_error_);
     jumped_since_keyframe_ = true;
     since_jump_s_ = 0;
   }
@@ -274,8 +274,8 @@ class Inertial {
   ImuIntake<S> imu_;
   Preintegration<S> since_keyframe_;
   CameraImuFilter camera_imu_;
-  Vec<S, 3> angular_rate_ = Vec<S, 3>::Zero();
-  Vec<S, 3> rate_error_ = Vec<S, 3>::Zero();  ///< see look_for_jump [rad/s]
+  Vec<S, 3> angular_rate_ = zeros<S, 3>();
+  Vec<S, 3> rate_error_ = zeros<S, 3>();  ///< see look_for_jump [rad/s]
   S rate_variance_ = S(0);
   double since_jump_s_ = std::numeric_limits<double>::infinity();
   StandstillReport rest_;

@@ -79,7 +79,7 @@ class InertialLinks {
       const auto& increment = links_[j].link.increment.increment();
       const int i = previous(j);
       NavState<S> x_i = window[i].state.value();
-      x_i.v_world_body.setZero();
+      set_zero(x_i.v_world_body);
       const NavState<S> fallen = increment.predict(x_i, gravity_);
       x_i.v_world_body = (window.T_world_body(j).p() - fallen.T_world_body.p()) / increment.duration;
       set(i, x_i.v_world_body);
@@ -125,12 +125,12 @@ class InertialLinks {
       const NavState<S> x_i = window[weighted.link.previous].state.value(), x_j = window[j].state.value();
       if (weighted.valid) {
         const Vec<S, 15> r = InertialResidual<S>{weighted.link.increment.increment(), gravity_}.residual(x_i, x_j);
-        sum += Vec<S, 15>(weighted.L.lazyProduct(r)).squaredNorm() / 2;
+        sum += squared_norm(times(weighted.L, r)) / 2;
       }
       if (!weighted.link.at_rest) continue;
       const Vec<S, 6> r = minus(x_j.T_world_body, x_i.T_world_body);
-      sum += rest_weights().cwiseProduct(r).squaredNorm() / 2;
-      sum += x_j.v_world_body.squaredNorm() / (2 * options_.rest_velocity_sigma * options_.rest_velocity_sigma);
+      sum += squared_norm(cwise_product(rest_weights(), r)) / 2;
+      sum += squared_norm(x_j.v_world_body) / (2 * options_.rest_velocity_sigma * options_.rest_velocity_sigma);
     }
     return sum;
   }
@@ -147,7 +147,7 @@ class InertialLinks {
       if (!linked(window, j) || !links_[j].valid || !links_[j].judged) continue;
       const InertialResidual<S> inertial{links_[j].link.increment.increment(), gravity_};
       const Vec<S, 15> r = inertial.residual(window[previous(j)].state.value(), window[j].state.value());
-      sum += Vec<S, 15>(links_[j].L.lazyProduct(r)).squaredNorm();
+      sum += squared_norm(times(links_[j].L, r));
       ++links;
     }
     return links > 0 ? sum / (compared * links) : 0;
@@ -198,8 +198,8 @@ class InertialLinks {
     const S w_v = S(1 / options_.rest_velocity_sigma);
     Mat<S, rows, Layout::dim> J_i, J_j;
     Vec<S, rows> r;
-    J_i.setZero();
-    J_j.setZero();
+    set_zero(J_i);
+    set_zero(J_j);
     for (int k = 0; k < motion_dim; ++k) {
       for (int c = 0; c < state::Pose::dim; ++c) {
         J_i(k, c) = w[k] * motion.J_r_i(k, c);
@@ -216,8 +216,10 @@ class InertialLinks {
 
   Vec<S, 6> rest_weights() const {
     Vec<S, 6> w;
-    w << Vec<S, 3>::Constant(S(1 / options_.rest_rotation_sigma)),
-        Vec<S, 3>::Constant(S(1 / options_.rest_position_sigma));
+    for (int k = 0; k < 3; ++k) {
+      w[k] = S(1 / options_.rest_rotation_sigma);
+      w[3 + k] = S(1 / options_.rest_position_sigma);
+    }
     return w;
   }
 

@@ -23,16 +23,16 @@ struct CollinearPoint {
   static constexpr int dim = 2;
   /// In the line's own camera `J_r_target` is zero, and so is the derivative by the pose of the point's.
   struct Linearized {
-    Vec<S, dim> r = Vec<S, dim>::Zero();
-    Mat<S, dim, 6> J_r_target = Mat<S, dim, 6>::Zero();
-    Vec<S, dim> J_r_lambda = Vec<S, dim>::Zero();
-    Mat<S, dim, 4> J_r_line = Mat<S, dim, 4>::Zero();
+    Vec<S, dim> r = zeros<S, dim>();
+    Mat<S, dim, 6> J_r_target = zeros<S, dim, 6>();
+    Vec<S, dim> J_r_lambda = zeros<S, dim>();
+    Mat<S, dim, 4> J_r_line = zeros<S, dim, 4>();
   };
 
   /// (1) of a point P~ in the line's camera.
   static Vec<S, dim> residual(const Line3<S>& line, const Vec<S, 3>& P, S lambda) {
     const Mat<S, 3, 3> U = line.U().matrix();
-    return {U.col(0).dot(P), U.col(2).dot(P) + lambda * line.w1() / line.w2()};
+    return {dot(column(U, 0), P), dot(column(U, 2), P) + lambda * line.w1() / line.w2()};
   }
 
   /// Point and line of one anchor.
@@ -50,7 +50,7 @@ struct CollinearPoint {
       N(1, c) = U(c, 2);
     }
     const Vec<S, 3>& t = view.t_target_anchor();
-    out.J_r_lambda += Vec<S, dim>(U.col(0).dot(t), U.col(2).dot(t));
+    out.J_r_lambda += Vec<S, dim>(dot(column(U, 0), t), dot(column(U, 2), t));
     out.J_r_target = view.template target_jacobian<dim>(N, P, lambda);
     return out;
   }
@@ -59,7 +59,7 @@ struct CollinearPoint {
   /// J_r_lambda with P~ held.
   static Linearized by_point_and_line(const Line3<S>& line, const Vec<S, 3>& P, S lambda) {
     const Mat<S, 3, 3> U = line.U().matrix();
-    const S a = U.col(0).dot(P), b = U.col(1).dot(P), c = U.col(2).dot(P), d = line.w1() / line.w2();
+    const S a = dot(column(U, 0), P), b = dot(column(U, 1), P), c = dot(column(U, 2), P), d = line.w1() / line.w2();
     Linearized out;
     out.r << a, c + lambda * d;
     out.J_r_lambda << S(0), d;

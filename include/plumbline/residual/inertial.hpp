@@ -78,7 +78,7 @@ struct InertialResidual {
     const Mat3 minus_Ji = -Ji, turned_back = minus_Ji * error.inverse().matrix();
     const Mat3 shifted = SO3<S>::right_jacobian(bias_shift) * J_R_g;
 
-    J_r_i.setZero();
+    set_zero(J_r_i);
     set_block(J_r_i, 0, 0, product(minus_Ji, R_i_j.inverse().matrix()));
     set_block(J_r_i, 0, 9, product(turned_back, shifted));
     set_block(J_r_i, 3, 0, hat(Vec<S, 3>(R_i_transposed * beyond_fall(x_i, x_j))));
@@ -90,7 +90,7 @@ struct InertialResidual {
     }
     for (const int k : {3, 4, 5, 9, 10, 11, 12, 13, 14}) J_r_i(k, k) = S(-1);
 
-    J_r_j.setIdentity();
+    set_identity(J_r_j);
     set_block(J_r_j, 0, 0, Ji);
     set_block(J_r_j, 3, 3, R_i_j.matrix());
     set_block(J_r_j, 6, 6, R_i_transposed);

@@ -36,8 +36,8 @@ struct CameraLineLinearization {
 template <class S>
 bool line_visible(const Plucker<S>& line, const Vec<S, 3>& bearing) {
   constexpr S distance_min = S(0.02);  // [m]
-  return line.n.squaredNorm() > distance_min * distance_min * line.v.squaredNorm() &&
-         bearing.dot(line.v.cross(line.n)) > S(0);
+  return squared_norm(line.n) > distance_min * distance_min * squared_norm(line.v) &&
+         dot(bearing, line.v.cross(line.n)) > S(0);
 }
 
 /// (a^T; b^T)
@@ -59,21 +59,21 @@ struct LineReprojection {
   Vec<S, 2> px_per_rad;                  ///< (10), of start and end
 
   Vec<S, 2> residual(const Plucker<S>& line) const {
-    const Vec<S, 3> nh = line.n.normalized();
-    return {px_per_rad[0] * nh.dot(bearing_start), px_per_rad[1] * nh.dot(bearing_end)};
+    const Vec<S, 3> nh = normalized(line.n);
+    return {px_per_rad[0] * dot(nh, bearing_start), px_per_rad[1] * dot(nh, bearing_end)};
   }
 
   Linearized linearize(const Plucker<S>& line) const {
     Linearized out;
     out.valid = line_visible<S>(line, bearing_start + bearing_end);
     if (!out.valid) return out;
-    const S inverse_norm = S(1) / line.n.norm();
+    const S inverse_norm = S(1) / norm(line.n);
     const Vec<S, 3> nh = line.n * inverse_norm;
-    const S e_start = nh.dot(bearing_start), e_end = nh.dot(bearing_end);
+    const S e_start = dot(nh, bearing_start), e_end = dot(nh, bearing_end);
     out.r << px_per_rad[0] * e_start, px_per_rad[1] * e_end;
     out.J_r_n = rows<S>((px_per_rad[0] * inverse_norm) * (bearing_start - e_start * nh),
                         (px_per_rad[1] * inverse_norm) * (bearing_end - e_end * nh));
-    out.J_r_v.setZero();
+    set_zero(out.J_r_v);
     return out;
   }
 };
@@ -96,7 +96,7 @@ LineObservation<typename Camera::Scalar> observe_line(const Camera& camera,
   if (!start.valid || !end.valid) return out;
   const Projection<S> at_start = camera.project(start.bearing), at_end = camera.project(end.bearing);
   const Vec<S, 3> m = start.bearing.cross(end.bearing);
-  const S m_norm = m.norm();
+  const S m_norm = norm(m);
   out.valid = at_start.valid && at_end.valid && m_norm > S(0);
   if (!out.valid) return out;
   const Vec<S, 3> mh = m / m_norm;
@@ -123,16 +123,16 @@ struct LineInverseDepth {
 
   Vec<S, 2> residual(const Plucker<S>& line) const {
     const Vec<S, 3> q = line.facing_plane();
-    return Vec<S, 2>(q.dot(m_start), q.dot(m_end)) - inverse_depth_measured;
+    return Vec<S, 2>(dot(q, m_start), dot(q, m_end)) - inverse_depth_measured;
   }
 
   Linearized linearize(const Plucker<S>& line) const {
     Linearized out;
     out.valid = line_visible<S>(line, m_start + m_end);
     if (!out.valid) return out;
-    const S inverse_square = S(1) / line.n.squaredNorm();
+    const S inverse_square = S(1) / squared_norm(line.n);
     const Vec<S, 3> q = line.facing_plane();
-    const Vec<S, 2> predicted(q.dot(m_start), q.dot(m_end));
+    const Vec<S, 2> predicted(dot(q, m_start), dot(q, m_end));
     out.r = predicted - inverse_depth_measured;
     out.J_r_n = rows<S>(inverse_square * (m_start.cross(line.v) - 2 * predicted[0] * line.n),
                         inverse_square * (m_end.cross(line.v) - 2 * predicted[1] * line.n));

@@ -53,7 +53,7 @@ class RelativeView {
         out.J_anchor(k, 3 + c) = inverse_range * A_(k, c);
       }
     }
-    out.J_target = target_jacobian<3>(Mat<S, 3, 3>::Identity(), out.P, inverse_range);
+    out.J_target = target_jacobian<3>(identity<S, 3>(), out.P, inverse_range);
     return out;
   }
 

@@ -25,7 +25,7 @@ struct ZeroVelocity {
   };
 
   Linearized linearize(const Vec<S, 3>& v_world_body) const {
-    return {v_world_body.allFinite(), v_world_body, Mat<S, 3, 3>::Identity()};  // (11)
+    return {all_finite(v_world_body), v_world_body, identity<S, 3>()};  // (11)
   }
 };
 
@@ -49,7 +49,7 @@ struct ZeroMotion {
     Linearized out;
     out.r = minus(T_world_j, T_world_i);  // (12)
     out.J_r_j = minus_jacobian(T_world_j0, T_world_i0);
-    out.J_r_i.setZero();
+    set_zero(out.J_r_i);
     const Mat<S, 3, 3> minus_Jr_inverse = -block<3, 3>(out.J_r_j, 0, 0), R_i_j = block<3, 3>(out.J_r_j, 3, 3);
     const Vec<S, 3> p_i_j = T_world_i0.rotation().inverse() * Vec<S, 3>(T_world_j0.p() - T_world_i0.p());
     set_block(out.J_r_i, 0, 0, product_transposed(minus_Jr_inverse, R_i_j));

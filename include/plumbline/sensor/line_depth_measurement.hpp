@@ -34,13 +34,13 @@ LineDepth<typename Camera::Scalar> measure_line_depth(const Camera& camera,
   using S = typename Camera::Scalar;
   constexpr std::size_t max_samples = 60;
   const auto ray_of = [&](const Vec<float, 2>& uv, Vec<S, 3>& m) {
-    const Unprojection<S> ray = camera.unproject(uv.template cast<S>());
+    const Unprojection<S> ray = camera.unproject(cast_to<S>(uv));
     if (!ray.valid || !(ray.bearing.z() > S(0))) return false;
     m = ray.bearing / ray.bearing.z();
     return true;
   };
   Vec<S, 3> m_start, m_end, m;
-  const float length = (uv_end - uv_start).norm(), usable = length - 2 * options.end_px;
+  const float length = norm(uv_end - uv_start), usable = length - 2 * options.end_px;
   if (!(usable > 0) || !ray_of(uv_start, m_start) || !ray_of(uv_end, m_end)) return {};
   const Vec<float, 2> along = (uv_end - uv_start) / length,
                       side(-options.side_px * along.y(), options.side_px * along.x());

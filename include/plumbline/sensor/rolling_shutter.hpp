@@ -34,8 +34,8 @@ class GlobalShutter {
 
   GlobalShutter(const Camera&, int /*height*/, S /*readout_s*/) {}
   void set_angular_rate(const Vec<S, 3>&) {}
-  StillPixel<S> still(const Vec<S, 2>& uv) const { return {uv, Vec<S, 2>::Zero()}; }
-  Vec<S, 3> bearing_slope(const Vec<S, 2>&, const Vec<S, 3>&) const { return Vec<S, 3>::Zero(); }
+  StillPixel<S> still(const Vec<S, 2>& uv) const { return {uv, zeros<S, 2>()}; }
+  Vec<S, 3> bearing_slope(const Vec<S, 2>&, const Vec<S, 3>&) const { return zeros<S, 3>(); }
   Vec<S, 2> seen(const Vec<S, 2>& uv) const { return uv; }
 };
 
@@ -53,7 +53,7 @@ class RollingShutter {
 
   /// Where the middle of the frame would have seen what was seen at `uv`.
   StillPixel<S> still(const Vec<S, 2>& uv) const {
-    StillPixel<S> out{uv, Vec<S, 2>::Zero()};
+    StillPixel<S> out{uv, zeros<S, 2>()};
     const Unprojection<S> ray = camera_.unproject(uv);
     if (!ray.valid) return out;
     const S tau = row_time(uv);
@@ -91,7 +91,7 @@ class RollingShutter {
   const Camera& camera_;
   S height_;
   S readout_s_;
-  Vec<S, 3> angular_rate_ = Vec<S, 3>::Zero();
+  Vec<S, 3> angular_rate_ = zeros<S, 3>();
 };
 
 /// Shutter policies of a vision sensor. A global shutter has no readout time, and landmarks nothing that depends on it.

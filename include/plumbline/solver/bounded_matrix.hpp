@@ -4,6 +4,7 @@
 /// values are undefined after `resize`.
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <new>
 
@@ -21,7 +22,7 @@ class BoundedMatrix : public Eigen::Map<Eigen::Matrix<S, Eigen::Dynamic, Eigen::
   BoundedMatrix& operator=(const BoundedMatrix& other) {
     if (this == &other) return *this;
     resize(int(other.rows()), int(other.cols()));
-    View::operator=(other);
+    std::copy_n(other.data(), other.size(), this->data());
     return *this;
   }
   template <class Derived>
@@ -39,5 +40,10 @@ class BoundedMatrix : public Eigen::Map<Eigen::Matrix<S, Eigen::Dynamic, Eigen::
  private:
   std::array<S, std::size_t(MaxRows) * MaxCols> values_;
 };
+
+template <class S, int MaxRows, int MaxCols>
+void set_zero(BoundedMatrix<S, MaxRows, MaxCols>& A) {
+  std::fill_n(A.data(), A.size(), S(0));
+}
 
 }  // namespace plumbline

@@ -63,7 +63,7 @@ class Cholesky {
       }
       for (int k = first_[i]; k < i; ++k) {
         const Tile& A = at(i, k);
-        for (int c = 0; c < width; ++c) y[k][c] -= A[c].dot(y[i]);
+        for (int c = 0; c < width; ++c) y[k][c] -= dot(A[c], y[i]);
       }
     }
     for (int k = 0; k < dim_; ++k) x[k] = y[k / width][k % width];

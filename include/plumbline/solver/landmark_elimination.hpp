@@ -96,7 +96,7 @@ class LandmarkElimination {
     mu_ = Acc(mu);
     Columns Q;
     if (!factorize(Q)) return false;
-    c_.setZero();
+    set_zero(c_);
     for (int k = 0; k < rows_; ++k) c_ += Acc(r_[k]) * Q[k];
     touched_.reset();
     for (const Group& group : groups_) {
@@ -145,7 +145,7 @@ class LandmarkElimination {
     touched_ |= rows.touched;
     rows.touched = touched_;
     std::array<Vec<Acc, OtherDim>, LandmarkDim> B;
-    for (Vec<Acc, OtherDim>& row : B) row.setZero();
+    set_zero(B);
     for (int k = 0; k < LandmarkDim; ++k) {
       const Acc pivot = R1_[k][k];
       Acc tail_squared = Acc(0);
@@ -172,7 +172,7 @@ class LandmarkElimination {
   /// (12), for the poses' step d; `stride` is the block_dim of the normal equations.
   template <class D>
   Vec<S, LandmarkDim> back_substitute(const Eigen::MatrixBase<D>& d, int stride = BlockDim) const {
-    return back_substitute(d, stride, Vec<Acc, LandmarkDim>::Zero());
+    return back_substitute(d, stride, zeros<Acc, LandmarkDim>());
   }
   /// The same of a landmark that absorbed rows: `by_other` is B of (13) times the step of the other one.
   template <class D>
@@ -274,16 +274,12 @@ class LandmarkElimination {
     return std::isfinite(sum);
   }
 
-  template <std::size_t R>
-  static void set_zero(std::array<Vec<Acc, BlockDim>, R>& A) {
-    for (Vec<Acc, BlockDim>& row : A) row.setZero();
-  }
   /// One column, or some of them side by side, by the reflection I - tau [1; v] [1; v]^T.
   template <class T, std::size_t R>
   static void reflect(Acc tau, const std::array<Acc, R>& v, T& first, std::array<T, R>& rows) {
     T w = first;
     for (std::size_t i = 0; i < R; ++i) w += v[i] * rows[i];
-    w *= tau;
+    w = tau * w;
     first -= w;
     for (std::size_t i = 0; i < R; ++i) rows[i] -= v[i] * w;
   }
@@ -312,7 +308,7 @@ class LandmarkElimination {
   bool factorize(Columns& Q) {
     Columns W;  // J_l, then [R1; 0]
     Column squared_norm;
-    squared_norm.setZero();
+    set_zero(squared_norm);
     for (int k = 0; k < rows_; ++k) {
       for (int l = 0; l < LandmarkDim; ++l) {
         W[k][l] = Acc(J_l_[k][l]);
@@ -331,7 +327,7 @@ class LandmarkElimination {
     }
     int n = rows_;
     for (int l = 0; l < LandmarkDim && mu_ > 0; ++l) {
-      W[n].setZero();
+      set_zero(W[n]);
       W[n++][l] = std::sqrt(mu_ * damping_[l]);
     }
     if (n < LandmarkDim) return false;
@@ -358,7 +354,7 @@ class LandmarkElimination {
   static void reflect_rows(const Columns& V, int k, Acc tau, int n, Columns& M) {
     Column w = M[k];
     for (int i = k + 1; i < n; ++i) w += V[i][k] * M[i];
-    w *= tau;
+    w = tau * w;
     M[k] -= w;
     for (int i = k + 1; i < n; ++i) M[i] -= V[i][k] * w;
   }

@@ -46,7 +46,8 @@ class NormalEquations {
     blocks_ = blocks;
     H_.resize(dim(), dim());
     std::fill_n(H_.data(), dim() * dim(), S(0));
-    b_.setZero(dim());
+    b_.resize(dim());
+    set_zero(b_);
     sum_rho_ = S(0);
   }
   /// The parameters in the order in which they are eliminated, the first dim() of them.
@@ -153,7 +154,8 @@ class NormalEquations {
     for (int k = 0; k < dim(); ++k) {
       const int c = order_[k] - i * BlockDim;
       if (c < 0 || c >= C) continue;
-      Y[c].setZero(dim());
+      Y[c].resize(dim());
+      set_zero(Y[c]);
       Y[c][k] = S(1);
       factor_.forward_in_place(Y[c], k);
     }

@@ -39,8 +39,8 @@ class RelativeEquations {
     const std::size_t k = index(a, j);
     if (!used_[k]) {
       used_[k] = true;
-      G_[k].setZero();
-      g_[k].setZero();
+      set_zero(G_[k]);
+      set_zero(g_[k]);
     }
     std::array<Vec<S, BlockDim>, R> rows;
     for (int n = 0; n < R; ++n) {

@@ -99,7 +99,7 @@ class InertialStart {
   /// first body is the origin, upright and without yaw. Velocities are open.
   NavState<S> state_of(const SE3<S>& T_ref_turned, const SE3<S>& T_body_cam) const {
     const SO3<S> R_world_ref = upright<S>(gravity_ref_);
-    const SE3<S> T_ref_cam = T_ref_turned * SE3<S>(T_body_cam.rotation(), Vec<S, 3>::Zero());
+    const SE3<S> T_ref_cam = T_ref_turned * SE3<S>(T_body_cam.rotation(), zeros<S, 3>());
     const SE3<S> T_first_body = SE3<S>(T_ref_cam.rotation(), found_.scale * T_ref_cam.p()) * T_body_cam.inverse();
     NavState<S> x;
     x.T_world_body =
@@ -112,7 +112,7 @@ class InertialStart {
   /// Rows on the biases of the first frame.
   Mat<double, bias_rows, InertialLayout::dim> prior_on_biases() const {
     Mat<double, bias_rows, InertialLayout::dim> J;
-    J.setZero();
+    set_zero(J);
     for (int k = 0; k < 3; ++k) {
       J(k, InertialLayout::offset<state::GyroBias> + k) = 1 / options_.gyro_bias_sigma;
       J(3 + k, InertialLayout::offset<state::AccelBias> + k) = 1 / options_.accel_bias_sigma;
@@ -123,7 +123,7 @@ class InertialStart {
   /// Whether images and readings, solved for together, bear out what was aligned: poses of a wrong scene can be aligned
   /// with the readings of half a second, but then need an accelerometer bias that no sensor has.
   bool believes(const NavState<S>& x) const {
-    const double largest = double(x.bias_accel.cwiseAbs().maxCoeff());
+    const double largest = double(max_abs(x.bias_accel));
     return largest <= options_.max_accel_bias_sigmas * options_.accel_bias_sigma;
   }
 
@@ -134,7 +134,7 @@ class InertialStart {
   typename AlignmentWindow<S>::Outcome found_;
   bool has_estimate_ = false;
   double time_offset_s_ = 0;  ///< that the series is cut by
-  Vec<S, 3> gravity_ref_ = Vec<S, 3>::Zero();
+  Vec<S, 3> gravity_ref_ = zeros<S, 3>();
 };
 
 }  // namespace plumbline

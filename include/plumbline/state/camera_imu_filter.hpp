@@ -69,7 +69,7 @@ class CameraImuFilter {
   void forget_world() { has_world_ = false; }
   /// What was found of the mount was found by a vision that knew its scene, or its time, too little.
   void forget_mount() {
-    phi_.setZero();
+    set_zero(phi_);
     forget(mount, options_.rotation_sigma);
   }
 
@@ -79,10 +79,10 @@ class CameraImuFilter {
   /// The readings since the frame before.                                                                        (1)
   template <class S>
   void propagate(const ImuIncrement<S>& since_frame) {
-    const Mat3 J = since_frame.J_R_g().template cast<double>();
-    const Vec3 db = bias_ - since_frame.bias_gyro.template cast<double>();
+    const Mat3 J = cast_to<double>(since_frame.J_R_g());
+    const Vec3 db = bias_ - cast_to<double>(since_frame.bias_gyro);
     R_g_ = R_g_ * since_frame.delta.dR.template cast<double>() * SO3<double>::exp(J * db);
-    Mat<double, dim, dim> F = Mat<double, dim, dim>::Identity();
+    Mat<double, dim, dim> F = identity<double, dim>();
     set_block(F, world, bias, Mat3(R_g_.matrix() * J));
     P_ = product_transposed(product(F, P_), F);
     const auto walk = [&](int k, double density) { P_(k, k) += density * density * double(since_frame.duration); };
@@ -97,7 +97,7 @@ class CameraImuFilter {
   /// Vision's orientation with its covariance, the body turning at w [rad/s].                                    (2)
   void update(const SO3<double>& R_v, const Mat3& covariance, const Vec3& w) {
     if (!has_world_) return meet(R_v, w);
-    Mat<double, 3, dim> H = Mat<double, 3, dim>::Zero();
+    Mat<double, 3, dim> H = zeros<double, 3, dim>();
     set_block(H, 0, world, R_g_.inverse().matrix());
     for (int k = 0; k < 3; ++k) {
       H(k, mount + k) = 1;
@@ -108,14 +108,17 @@ class CameraImuFilter {
     const double second_order = 0.5 * options_.angular_acceleration * (d_ * d_ + P_(clock, clock));
     Mat3 V = product(H, PHt) + covariance;
     for (int k = 0; k < 3; ++k) V(k, k) += options_.vision_sigma * options_.vision_sigma + second_order * second_order;
-    const Mat3 V_inverse = V.inverse();
-    if (!(e.dot(V_inverse * e) <= options_.max_innovation * options_.max_innovation)) return leave_out();
+    Mat3 V_inverse;
+    if (!invert(V, V_inverse) || !(dot(e, V_inverse * e) <= options_.max_innovation * options_.max_innovation))
+      return leave_out();
     left_out_ = 0;
     ++in_a_row_;
     const Mat<double, dim, 3> K = product(PHt, V_inverse);
     const Vec<double, dim> x = product(K, e);
-    const Mat<double, dim, dim> P = P_ - product_transposed(K, PHt);
-    P_ = 0.5 * (P + P.transpose());
+    const Mat<double, dim, dim> KHP = product_transposed(K, PHt);
+    for (int c = 0; c < dim; ++c) {
+      for (int r = 0; r <= c; ++r) P_(r, c) = P_(c, r) = 0.5 * ((P_(r, c) - KHP(r, c)) + (P_(c, r) - KHP(c, r)));
+    }
     R_g_ = SO3<double>::exp(segment<3>(x, world)) * R_g_;
     bias_ += segment<3>(x, bias);
     phi_ += segment<3>(x, mount);
@@ -163,9 +166,9 @@ class CameraImuFilter {
   }
 
   CameraImuOptions options_;
-  Mat<double, dim, dim> P_ = Mat<double, dim, dim>::Zero();  ///< of [c b phi d]
+  Mat<double, dim, dim> P_ = zeros<double, dim, dim>();  ///< of [c b phi d]
   SO3<double> R_g_;
-  Vec3 bias_ = Vec3::Zero(), phi_ = Vec3::Zero();
+  Vec3 bias_ = zeros<Vec3>(), phi_ = zeros<Vec3>();
   double d_ = 0, corrected_s_ = 0;
   bool has_world_ = false, clock_is_wrong_ = false;
   int left_out_ = 0, in_a_row_ = 0;  ///< orientations that did not fit, and that did, in a row

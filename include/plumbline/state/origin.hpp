@@ -20,7 +20,7 @@ Mat<S, 6, 6> carried(const Mat<S, 6, 6>& P, const SE3<S>& T, const SE3<S>& T_els
 /// What remains of P, of a body with that rotation, where gravity shows: of the rotation the heading.
 template <class S>
 Mat<S, 6, 6> place_and_heading(const Mat<S, 6, 6>& P, const SO3<S>& R_world_body) {
-  const Vec<S, 3> up = R_world_body.inverse() * Vec<S, 3>::UnitZ();
+  const Vec<S, 3> up = R_world_body.inverse() * Vec<S, 3>(0, 0, 1);
   S heading = S(0);
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) heading += up[i] * P(i, k) * up[k];
@@ -52,14 +52,14 @@ class Origin {
   /// The body has come to T.
   void travel_to(const SE3<S>& T) {
     const SE3<S> way = latest_.inverse() * T;
-    angle_ += way.rotation().log().norm();
-    distance_ += way.p().norm();
+    angle_ += norm(way.rotation().log());
+    distance_ += norm(way.p());
     latest_ = T;
   }
   /// What is measured from T on has that place with a sigma [m], and that heading about the vertical [rad].
   void doubt(const SE3<S>& T, S place_sigma, S heading_sigma) {
     set(T, carried(P_, T_, T));
-    const Vec<S, 3> up = T.rotation().inverse() * Vec<S, 3>::UnitZ();
+    const Vec<S, 3> up = T.rotation().inverse() * Vec<S, 3>(0, 0, 1);
     for (int i = 0; i < 3; ++i) {
       for (int k = 0; k < 3; ++k) P_(i, k) += heading_sigma * heading_sigma * up[i] * up[k];
       P_(3 + i, 3 + i) += place_sigma * place_sigma;
@@ -79,7 +79,7 @@ class Origin {
  private:
   S calibration_error_;
   SE3<S> T_, latest_;
-  Covariance P_ = Covariance::Zero();
+  Covariance P_ = zeros<Covariance>();
   S angle_ = S(0), distance_ = S(0);
 };
 

@@ -10,7 +10,7 @@ namespace plumbline {
 template <class S>
 struct PosePrior {
   bool valid = false;
-  Vec<S, state::Pose::dim> sigma = Vec<S, state::Pose::dim>::Zero();  ///< of [dphi, dp] [rad, m]
+  Vec<S, state::Pose::dim> sigma = zeros<S, state::Pose::dim>();  ///< of [dphi, dp] [rad, m]
 };
 
 }  // namespace plumbline

@@ -37,13 +37,13 @@ struct AlignmentPatch {
 
   bool valid = false;    ///< inside the previous image
   bool visible = false;  ///< and inside the current one
-  Vec<float, samples> intensity = Vec<float, samples>::Zero();
-  Vec<float, samples> gx = Vec<float, samples>::Zero();  ///< [intensity/px]
-  Vec<float, samples> gy = Vec<float, samples>::Zero();
-  Mat<float, 2, 6> M = Mat<float, 2, 6>::Zero();  ///< [px/rad, px/m] of the level
-  Mat<float, 4, 4> Q = Mat<float, 4, 4>::Zero();  ///< sum q_j q_j^T of (3)
-  Vec<float, 4> q_r = Vec<float, 4>::Zero();      ///< sum q_j r_j
-  float error = 0;                                ///< root mean square of r_j [intensity]
+  Vec<float, samples> intensity = zeros<float, samples>();
+  Vec<float, samples> gx = zeros<float, samples>();  ///< [intensity/px]
+  Vec<float, samples> gy = zeros<float, samples>();
+  Mat<float, 2, 6> M = zeros<float, 2, 6>();  ///< [px/rad, px/m] of the level
+  Mat<float, 4, 4> Q = zeros<float, 4, 4>();  ///< sum q_j q_j^T of (3)
+  Vec<float, 4> q_r = zeros<float, 4>();      ///< sum q_j r_j
+  float error = 0;                            ///< root mean square of r_j [intensity]
 
   /// The samples around `centre` [px of the level].
   void capture(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& centre) {

@@ -48,8 +48,8 @@ class ScoreTile {
     PLUMBLINE_ASSERT(y0 + size + margin <= image.height);
     Sums column[window];  // products of the last 7 rows
     Sums sum;
-    sum.setZero();
-    for (Sums& products : column) products.setZero();
+    set_zero(sum);
+    for (Sums& products : column) set_zero(products);
     for (int y = 0; y < size + window - 1; ++y) {
       Sums& products = column[y % window];
       sum -= products;
@@ -160,10 +160,10 @@ Corner best_corner(const ImageView<const std::uint8_t>& image, int x0, int y0, i
   const FastTest is_fast(image.stride);
   const auto is_free = [&](const Vec<float, 2>& uv) {
     return std::none_of(near.begin(), near.end(), [&](const Vec<float, 2>& other) {
-      return (other - uv).squaredNorm() < distance_px * distance_px;
+      return squared_norm(other - uv) < distance_px * distance_px;
     });
   };
-  Corner best{Vec<float, 2>::Zero(), 0.0f, 0};
+  Corner best{zeros<float, 2>(), 0.0f, 0};
   int best_grade = 0;  // 1: any pixel, 2: FAST with the low threshold, 3: with the high one
   ScoreTile scores;
   for (int tile_y = y0; tile_y < y1; tile_y += ScoreTile::size) {

@@ -55,7 +55,7 @@ class PatchDifference {
     for (int k = 0; k < Size * Size; ++k) T_[k] -= mean;
     return true;
   }
-  float variance() const { return squared_norm(T_) / samples; }
+  float variance() const { return sum_of_squares(T_) / samples; }
   /// `uv` [px of the level], with the whole patch inside.
   float at(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& uv) const {
     Patch<Size> I;
@@ -86,7 +86,7 @@ const typename Places::value_type* clearly_best(const Places& places, float vari
   if (best == places.end() || !(best->difference < options.max_difference * variance)) return nullptr;
   const float rival = options.uniqueness * std::max(best->difference, options.min_difference * variance);
   for (const auto& place : places) {
-    const bool away = (place.uv - best->uv).squaredNorm() > options.away_px * options.away_px;
+    const bool away = squared_norm(place.uv - best->uv) > options.away_px * options.away_px;
     if (away && !(place.difference > rival)) return nullptr;
   }
   return best;
@@ -102,10 +102,10 @@ EpipolarMatch<S> search_epipolar_curve(const Camera& camera, const ReferencePatc
                                        const SE3<typename Camera::Scalar>& T_cur_ref, const Pyr& current, auto&& seen,
                                        const EpipolarSearchOptions& options, AlignmentOptions alignment) {
   constexpr int patch_size = 8, max_steps = EpipolarSearchOptions::max_steps;
-  EpipolarMatch<S> out{{false, Vec<float, 2>::Zero(), 0, 0.0f, Mat<float, 2, 2>::Zero()}, lambda.expected};
+  EpipolarMatch<S> out{{false, zeros<float, 2>(), 0, 0.0f, zeros<float, 2, 2>()}, lambda.expected};
   const Vec<S, 3> Rb = T_cur_ref.rotation() * bearing_ref;
   const auto project = [&](S at) { return camera.project(Vec<S, 3>(Rb + at * T_cur_ref.p())); };
-  const auto px_per_lambda = [&](const Projection<S>& at) { return product(at.J_uv_p, T_cur_ref.p()).norm(); };  // (15)
+  const auto px_per_lambda = [&](const Projection<S>& at) { return norm(product(at.J_uv_p, T_cur_ref.p())); };  // (15)
   const auto warp = [&](S at) { return affine_warp(camera, camera, bearing_ref, S(1) / at, T_cur_ref); };
 
   const Projection<S> middle = project(lambda.expected);
@@ -123,7 +123,7 @@ EpipolarMatch<S> search_epipolar_curve(const Camera& camera, const ReferencePatc
   FixedVector<EpipolarPlace<S>, max_steps + 1> places;
   const ImageView<const std::uint8_t>& image = current.level(level);
   const auto look = [&](S at, const Projection<S>& projection) {
-    const Vec<float, 2> uv = to_level(Vec<float, 2>(seen(projection.uv).template cast<float>()), level);
+    const Vec<float, 2> uv = to_level(cast_to<float>(seen(projection.uv)), level);
     if (patch_inside(image, uv, patch_size)) places.push_back({at, uv, difference.at(image, uv)});
   };
   look(lambda.expected, middle);

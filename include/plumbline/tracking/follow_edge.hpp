@@ -44,7 +44,7 @@ void follow_edge(const Edges& edges, const Vec<float, 2>& origin, const FollowOp
     if (++added % refit_interval != 0) continue;
     const Vec<float, 2> direction = line.direction;
     line = moments.line();
-    if (line.direction.dot(direction) < 0) line.direction = -line.direction;
+    if (dot(line.direction, direction) < 0) line.direction = -line.direction;
   }
 }
 

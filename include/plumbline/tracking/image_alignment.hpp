@@ -55,11 +55,11 @@ struct AlignmentSample {
 template <std::floating_point S>
 struct ImageAlignment {
   bool valid = false;
-  SE3<S> T_cur_prev;                               ///< of the body
-  Mat<S, 6, 6> covariance = Mat<S, 6, 6>::Zero();  ///< of its increment [dphi, dp]
-  float gain = 0, bias = 0;                        ///< a, b of (1)
-  float sigma_intensity = 0;                       ///< of the patches' errors on the finest level
-  int patches = 0;                                 ///< that took part there
+  SE3<S> T_cur_prev;                           ///< of the body
+  Mat<S, 6, 6> covariance = zeros<S, 6, 6>();  ///< of its increment [dphi, dp]
+  float gain = 0, bias = 0;                    ///< a, b of (1)
+  float sigma_intensity = 0;                   ///< of the patches' errors on the finest level
+  int patches = 0;                             ///< that took part there
 };
 
 template <CameraModel Camera>
@@ -100,8 +100,8 @@ class ImageAligner {
  private:
   static constexpr int dim = 8;  ///< dphi, dp, a, b
   struct System {
-    Mat<S, dim, dim> H = Mat<S, dim, dim>::Zero();  ///< upper triangle, then all of it
-    Vec<S, dim> b = Vec<S, dim>::Zero();
+    Mat<S, dim, dim> H = zeros<S, dim, dim>();  ///< upper triangle, then all of it
+    Vec<S, dim> b = zeros<S, dim>();
     S cost = S(0);  ///< mean over the patches, the prior's part included
     int patches = 0;
   };
@@ -165,7 +165,7 @@ class ImageAligner {
       now.patches = system.patches;
       out = now;
       Cholesky<S, dim> factor;
-      if (!factor.compute(system.H, Vec<S, dim>(Vec<S, dim>::Zero()))) return false;
+      if (!factor.compute(system.H, zeros<S, dim>())) return false;
       Vec<S, dim> d = -system.b;
       factor.solve_in_place(d);
       if (!all_finite(d)) return false;
@@ -192,7 +192,7 @@ class ImageAligner {
       if (!patch.valid) continue;
       const Projection<S> projection = camera_.project(R_cam_prev * samples_[i].p_body + T_cam_prev.p());
       if (!projection.valid) continue;
-      const Vec<float, 2> uv = projection.uv.template cast<float>() + samples_[i].shift;
+      const Vec<float, 2> uv = cast_to<float>(projection.uv) + samples_[i].shift;
       patch.compare(image, to_level(uv, level), now.gain, now.bias, forward);
       if (forward && patch.visible) set_jacobian(patch, projection, R_cam_prev, i, scale);
     }
@@ -231,7 +231,7 @@ class ImageAligner {
         }
       }
       const S pixels = S(options_.independent * float(AlignmentPatch::samples));
-      system.cost += believed.r.squaredNorm() / pixels;
+      system.cost += squared_norm(believed.r) / pixels;
     }
     for (int k = 6; k < dim; ++k) system.H(k, k) += brightness_information(k);
     for (int j = 0; j < dim; ++j) {
@@ -251,16 +251,16 @@ class ImageAligner {
     int n = 0;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       if (!patches_[i].visible) continue;
-      inverse_range += 1 / samples_[i].p_body.norm();
+      inverse_range += 1 / norm(samples_[i].p_body);
       ++n;
     }
-    return n > 0 && T_cur_prev.p().norm() * inverse_range > S(options_.forward_baseline) * S(n);
+    return n > 0 && norm(T_cur_prev.p()) * inverse_range > S(options_.forward_baseline) * S(n);
   }
 
   S mean_motion_px(const Vec<S, dim>& d) const {
     float sum = 0;
     int n = 0;
-    const Vec<float, 6> step = segment<6>(d, 0).template cast<float>();
+    const Vec<float, 6> step = cast_to<float>(segment<6>(d, 0));
     for (const AlignmentPatch& patch : patches_) {
       if (!patch.visible) continue;
       sum += std::abs(patch.M.row(0).dot(step)) + std::abs(patch.M.row(1).dot(step));
@@ -271,7 +271,8 @@ class ImageAligner {
 
   static void set_covariance(const Cholesky<S, dim>& factor, ImageAlignment<S>& out) {
     for (int c = 0; c < 6; ++c) {
-      Vec<S, dim> column = Vec<S, dim>::Unit(c);
+      Vec<S, dim> column = zeros<S, dim>();
+      column[c] = S(1);
       factor.solve_in_place(column);
       for (int k = 0; k < 6; ++k) out.covariance(k, c) = column[k];
     }

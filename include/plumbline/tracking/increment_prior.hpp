@@ -23,16 +23,16 @@ struct IncrementPrior {
     Mat<S, 6, 6> J;  ///< by [dphi, dp] of T
   };
 
-  bool valid = false;                                                                 ///< false: nothing is believed
-  SE3<S> T_cur_prev;                                                                  ///< (R~, p~)
-  Mat<S, 3, 3> L_rotation = Mat<S, 3, 3>::Zero(), L_position = Mat<S, 3, 3>::Zero();  ///< L^T L = Sigma^-1
+  bool valid = false;                                                         ///< false: nothing is believed
+  SE3<S> T_cur_prev;                                                          ///< (R~, p~)
+  Mat<S, 3, 3> L_rotation = zeros<S, 3, 3>(), L_position = zeros<S, 3, 3>();  ///< L^T L = Sigma^-1
 
   /// Of a current body predicted at `T_cur_prev` from the previous one, its pose's error [dphi, dp] known up to
   /// `sigma`.
   static IncrementPrior of(const SE3<S>& T_cur_prev, const Vec<S, 6>& sigma) {
     IncrementPrior out;
     out.T_cur_prev = T_cur_prev;
-    Mat<S, 3, 3> S_phi = Mat<S, 3, 3>::Zero(), Sigma_p = Mat<S, 3, 3>::Zero();
+    Mat<S, 3, 3> S_phi = zeros<S, 3, 3>(), Sigma_p = zeros<S, 3, 3>();
     for (int k = 0; k < 3; ++k) {
       S_phi(k, k) = sigma[k] * sigma[k];
       Sigma_p(k, k) = sigma[3 + k] * sigma[3 + k];
@@ -53,7 +53,7 @@ struct IncrementPrior {
     const Vec<S, 3> r_R = (T_cur_prev.rotation().inverse() * T.rotation()).log(), r_p = T.p() - T_cur_prev.p();
     set_segment(out.r, 0, product(L_rotation, r_R));
     set_segment(out.r, 3, product(L_position, r_p));
-    out.J.setZero();
+    set_zero(out.J);
     set_block(out.J, 0, 0, product(L_rotation, SO3<S>::right_jacobian_inverse(r_R)));  // (4)
     set_block(out.J, 3, 3, product(L_position, T.R()));                                // (5)
     return out;

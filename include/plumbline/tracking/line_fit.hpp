@@ -20,7 +20,7 @@ struct FittedLine {
     const Vec<float, 2> d = uv - mean;
     return direction.x() * d.y() - direction.y() * d.x();
   }
-  float along(const Vec<float, 2>& uv) const { return direction.dot(uv - mean); }
+  float along(const Vec<float, 2>& uv) const { return dot(direction, uv - mean); }
   Vec<float, 2> at(float along) const { return mean + along * direction; }
 };
 
@@ -52,7 +52,7 @@ struct LineMoments {
     out.mean << static_cast<float>(x) / count, static_cast<float>(y) / count;
     out.variance = std::max(0.0f, 0.5f * (a + c) - root);
     out.direction = half_gap > 0 ? Vec<float, 2>(half_gap + root, b) : Vec<float, 2>(b, root - half_gap);
-    out.direction.normalize();
+    out.direction = normalized(out.direction);
     return out;
   }
 

@@ -17,7 +17,7 @@ namespace plumbline {
 /// Mean intensities 4 px on the dark side to 4 px on the bright side.
 struct LineProfile {
   static constexpr int radius = 4;  ///< [px]
-  Vec<float, 2 * radius + 1> mean = Vec<float, 2 * radius + 1>::Zero();
+  Vec<float, 2 * radius + 1> mean = zeros<float, 2 * radius + 1>();
 
   /// (21), in [-1, 1]; 0 when one of them has no contrast.
   float similarity(const LineProfile& other) const {

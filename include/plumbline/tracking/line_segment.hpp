@@ -15,19 +15,19 @@
 namespace plumbline {
 
 struct LineSegment {
-  Vec<float, 2> start = Vec<float, 2>::Zero();  ///< [px]
-  Vec<float, 2> end = Vec<float, 2>::Zero();    ///< [px]
-  float gradient = 0;                           ///< mean slope across the edge [intensity/px]
+  Vec<float, 2> start = zeros<float, 2>();  ///< [px]
+  Vec<float, 2> end = zeros<float, 2>();    ///< [px]
+  float gradient = 0;                       ///< mean slope across the edge [intensity/px]
 
-  float length() const { return (end - start).norm(); }                   ///< [px]
-  Vec<float, 2> centre() const { return 0.5f * (start + end); }           ///< [px]
-  Vec<float, 2> direction() const { return (end - start).normalized(); }  ///< unit
-  Vec<float, 2> normal() const {                                          ///< unit, towards the brighter side
+  float length() const { return norm(end - start); }                   ///< [px]
+  Vec<float, 2> centre() const { return 0.5f * (start + end); }        ///< [px]
+  Vec<float, 2> direction() const { return normalized(end - start); }  ///< unit
+  Vec<float, 2> normal() const {                                       ///< unit, towards the brighter side
     const Vec<float, 2> d = direction();
     return {-d.y(), d.x()};
   }
   /// Signed distance of a pixel to the infinite line, positive on the brighter side [px].
-  float distance(const Vec<float, 2>& uv) const { return normal().dot(uv - start); }
+  float distance(const Vec<float, 2>& uv) const { return dot(normal(), uv - start); }
 };
 
 struct MergeOptions {
@@ -42,12 +42,12 @@ inline bool are_one(const LineSegment& a, const LineSegment& b, const MergeOptio
   const LineSegment& longer = a.length() < b.length() ? b : a;
   const LineSegment& shorter = a.length() < b.length() ? a : b;
   const Vec<float, 2> d = longer.direction();
-  if (!(d.dot(shorter.direction()) > std::cos(options.max_angle_rad))) return false;
+  if (!(dot(d, shorter.direction()) > std::cos(options.max_angle_rad))) return false;
   if (!(std::abs(longer.distance(shorter.start)) < options.max_distance_px &&
         std::abs(longer.distance(shorter.end)) < options.max_distance_px)) {
     return false;
   }
-  const float from = d.dot(shorter.start - longer.start), to = d.dot(shorter.end - longer.start);
+  const float from = dot(d, shorter.start - longer.start), to = dot(d, shorter.end - longer.start);
   const float gap = std::max(from - longer.length(), -to);  // negative when they overlap
   return gap < std::min(options.max_gap_px, options.max_gap_ratio * shorter.length());
 }
@@ -57,15 +57,15 @@ inline LineSegment merged(const LineSegment& a, const LineSegment& b) {
   const float wa = a.length(), wb = b.length();
   const Vec<float, 2> mean = (wa * a.centre() + wb * b.centre()) / (wa + wb);
   // Second moments of two uniform segments about the common mean.
-  Mat<float, 2, 2> M = Mat<float, 2, 2>::Zero();
+  Mat<float, 2, 2> M = zeros<float, 2, 2>();
   for (const LineSegment* s : {&a, &b}) {
     const Vec<float, 2> c = s->centre() - mean, h = 0.5f * (s->end - s->start);
     M += s->length() * (c * c.transpose() + h * h.transpose() / 3.0f);
   }
   const float angle = 0.5f * std::atan2(2 * M(0, 1), M(0, 0) - M(1, 1));
   Vec<float, 2> d(std::cos(angle), std::sin(angle));
-  if (d.dot(a.end - a.start) < 0) d = -d;
-  const auto along = [&](const Vec<float, 2>& uv) { return d.dot(uv - mean); };
+  if (dot(d, a.end - a.start) < 0) d = -d;
+  const auto along = [&](const Vec<float, 2>& uv) { return dot(d, uv - mean); };
   const float from = std::min({along(a.start), along(a.end), along(b.start), along(b.end)});
   const float to = std::max({along(a.start), along(a.end), along(b.start), along(b.end)});
   return {mean + from * d, mean + to * d, (wa * a.gradient + wb * b.gradient) / (wa + wb)};
@@ -75,7 +75,7 @@ inline LineSegment merged(const LineSegment& a, const LineSegment& b) {
 template <std::size_t N>
 void merge_collinear(FixedVector<LineSegment, N>& segments, const MergeOptions& options) {
   const auto longer = [](const LineSegment& a, const LineSegment& b) {
-    return (a.end - a.start).squaredNorm() > (b.end - b.start).squaredNorm();
+    return squared_norm(a.end - a.start) > squared_norm(b.end - b.start);
   };
   std::sort(segments.begin(), segments.end(), longer);
   std::array<Vec<float, 2>, N> directions;
@@ -83,7 +83,7 @@ void merge_collinear(FixedVector<LineSegment, N>& segments, const MergeOptions& 
   const float min_cosine = std::cos(options.max_angle_rad);
   for (std::size_t i = 0; i < segments.size(); ++i) {
     for (std::size_t j = i + 1; j < segments.size();) {
-      if (!(directions[i].dot(directions[j]) > min_cosine) || !are_one(segments[i], segments[j], options)) {
+      if (!(dot(directions[i], directions[j]) > min_cosine) || !are_one(segments[i], segments[j], options)) {
         ++j;
         continue;
       }

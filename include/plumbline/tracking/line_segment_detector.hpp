@@ -148,7 +148,7 @@ class LineSegmentDetector {
 
   void keep(const LineSegment& segment) {
     const auto longer = [](const LineSegment& a, const LineSegment& b) {  // for a heap, the shortest on top
-      return (a.end - a.start).squaredNorm() > (b.end - b.start).squaredNorm();
+      return squared_norm(a.end - a.start) > squared_norm(b.end - b.start);
     };
     if (candidates_.full()) {
       if (!longer(segment, candidates_[0])) return;

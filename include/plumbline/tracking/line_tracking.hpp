@@ -61,7 +61,7 @@ class LineTracker {
     if (!(offset.score > 0)) return out;
     if (!fit(edges, guess, offset, options, out)) return out;
     out.profile = profile_of(image, out.segment);
-    const float angle_cosine = out.segment.direction().dot(guess.direction());
+    const float angle_cosine = dot(out.segment.direction(), guess.direction());
     out.valid = out.segment.length() >= options.min_length_px && angle_cosine > std::cos(options.max_angle_rad) &&
                 out.profile.similarity(profile) > options.min_similarity;
     return out;
@@ -106,7 +106,7 @@ class LineTracker {
         if (!(lowest < here && here < highest && slope[-1] < here && slope[1] <= here)) continue;
         const float weight = std::min(here / guess.gradient, guess.gradient / here);
         const Vec<float, 2> peak = edges.peak(nearest_pixel(at + static_cast<float>(j) * normal));
-        candidates_.push_back({k, direction.dot(peak - centre), normal.dot(peak - centre), weight, peak});
+        candidates_.push_back({k, dot(direction, peak - centre), dot(normal, peak - centre), weight, peak});
         ++found;
       }
     }
@@ -147,7 +147,7 @@ class LineTracker {
            TrackedLine& out) {
     const Vec<float, 2> origin = guess.centre();
     FittedLine line;
-    line.direction = (guess.direction() + offset.b * guess.normal()).normalized();
+    line.direction = normalized(guess.direction() + offset.b * guess.normal());
     line.mean = offset.a * guess.normal();
     LineMoments<float> moments;
     Extent extent;
@@ -161,7 +161,7 @@ class LineTracker {
       }
       const Vec<float, 2> direction = line.direction;
       line = moments.line();
-      if (line.direction.dot(direction) < 0) line.direction = -line.direction;
+      if (dot(line.direction, direction) < 0) line.direction = -line.direction;
     }
     const Vec<float, 2> normal(-line.direction.y(), line.direction.x());
     int inside = 0;

@@ -74,7 +74,7 @@ FlowResult track_point_checked(const Pyr& previous, const Pyr& current, const Ve
   const int levels = options.backward_levels < Pyr::levels ? options.backward_levels : Pyr::levels;
   const FlowResult backward =
       track_point_levels<PatchSize>(current, previous, forward.uv, uv_previous, options, levels);
-  forward.valid = backward.valid && (backward.uv - uv_previous).norm() <= options.forward_backward_px;
+  forward.valid = backward.valid && norm(backward.uv - uv_previous) <= options.forward_backward_px;
   return forward;
 }
 

@@ -55,8 +55,8 @@ class PatchTemplate {
     subtract(mean_of(T_), T_);
     subtract(mean_of(Jx_), Jx_);
     subtract(mean_of(Jy_), Jy_);
-    contrast_ = squared_norm(T_);
-    JtT_ << dot(Jx_, T_), dot(Jy_, T_);
+    contrast_ = sum_of_squares(T_);
+    JtT_ << sum_of_products(Jx_, T_), sum_of_products(Jy_, T_);
     has_gain_ = with_gain && contrast_ > min_variance * samples;
     if (has_gain_) {
       const float x = JtT_.x() / contrast_, y = JtT_.y() / contrast_;
@@ -64,10 +64,10 @@ class PatchTemplate {
         Jx_[k] -= x * T_[k];
         Jy_[k] -= y * T_[k];
       }
-      JtT_.setZero();
+      set_zero(JtT_);
     }
-    const float xy = dot(Jx_, Jy_);
-    JtJ_ << squared_norm(Jx_), xy, xy, squared_norm(Jy_);
+    const float xy = sum_of_products(Jx_, Jy_);
+    JtJ_ << sum_of_squares(Jx_), xy, xy, sum_of_squares(Jy_);
   }
 
   /// J^T J of the position after the elimination of gain and bias [intensity^2/px^2].
@@ -92,7 +92,7 @@ class PatchTemplate {
   PatchMatch search_along(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& start,
                           const Vec<float, 2>& n, const PatchSearch& bounds) const {
     const Mat<float, 2, 2> projector = n * n.transpose();
-    return iterate(image, start, projector / n.dot(JtJ_ * n), bounds);
+    return iterate(image, start, projector / dot(n, JtJ_ * n), bounds);
   }
 
  private:
@@ -112,13 +112,13 @@ class PatchTemplate {
     for (int i = 0; i < bounds.max_iterations; ++i) {
       if (!image.contains(match.uv.x(), match.uv.y(), 0.0f)) return match;
       interpolate_patch<Size>(image, match.uv, I);
-      const float TtI = dot(T_, I);
+      const float TtI = sum_of_products(T_, I);
       if (has_gain_) match.gain = TtI / contrast_;
-      const Vec<float, 2> gradient = Vec<float, 2>(dot(Jx_, I), dot(Jy_, I)) - JtT_;
+      const Vec<float, 2> gradient = Vec<float, 2>(sum_of_products(Jx_, I), sum_of_products(Jy_, I)) - JtT_;
       const Vec<float, 2> step = step_matrix * gradient / std::clamp(match.gain, min_gain, max_gain);
       match.uv -= step;
-      if (!((match.uv - start).squaredNorm() <= bounds.max_move_px * bounds.max_move_px)) return match;
-      if (step.squaredNorm() < bounds.epsilon_px * bounds.epsilon_px) {
+      if (!(squared_norm(match.uv - start) <= bounds.max_move_px * bounds.max_move_px)) return match;
+      if (squared_norm(step) < bounds.epsilon_px * bounds.epsilon_px) {
         const float a = match.gain;
         const float squares = squared_norm_about(I, mean_of(I)) - 2 * a * TtI + a * a * contrast_;
         match.rms = std::sqrt(std::max(squares, 0.0f) / samples);

@@ -52,7 +52,7 @@ class ReferencePatch {
 
  private:
   std::array<std::array<std::uint8_t, size * size>, max_levels> pixels_{};
-  std::array<Vec<float, 2>, max_levels> centres_{Vec<float, 2>::Zero(), Vec<float, 2>::Zero(), Vec<float, 2>::Zero()};
+  std::array<Vec<float, 2>, max_levels> centres_{zeros<float, 2>(), zeros<float, 2>(), zeros<float, 2>()};
   int levels_ = 0;
 };
 

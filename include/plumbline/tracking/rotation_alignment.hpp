@@ -85,7 +85,7 @@ class RotationAligner {
     for (int y = 1; y + 1 < image.height; y += step) {
       for (int x = 1; x + 1 < image.width && count_ < grid_limit; x += step) {
         const Vec<float, 2> uv = previous.to_full(Vec<float, 2>(float(x), float(y)));
-        const Unprojection<S> ray = camera.unproject(uv.template cast<S>());
+        const Unprojection<S> ray = camera.unproject(cast_to<S>(uv));
         if (!ray.valid) continue;
         const Vec<S, 3>& b = ray.bearing;
         const Projection<S> projection = camera.project(b);
@@ -97,7 +97,7 @@ class RotationAligner {
         sample.bearing = b;
         sample.intensity = image(x, y);
         const Mat<S, 1, 2> minus_g(S(-g.x()), S(-g.y()));
-        sample.J = product(product(minus_g, projection.J_uv_p), hat(b)).template cast<float>();  // (13)
+        sample.J = cast_to<float>(product(product(minus_g, projection.J_uv_p), hat(b)));  // (13)
       }
     }
   }
@@ -112,13 +112,14 @@ class RotationAligner {
         const Sample& sample = samples_[static_cast<std::size_t>(i)];
         const Projection<S> projection = camera.project(R_cur_prev * sample.bearing);
         if (!projection.valid) continue;
-        const Vec<float, 2> uv = current.from_full(projection.uv.template cast<float>());
+        const Vec<float, 2> uv = current.from_full(cast_to<float>(projection.uv));
         if (!current.view().contains(uv.x(), uv.y(), 0.5f)) continue;
         const float r = interpolate_inside(current.view(), uv) - sample.intensity;
         const float size = std::abs(r), k = options.huber_intensity;
         const float weight = size > k ? k / size : 1.0f;
         Mat<float, 1, 4> J;
-        J << sample.J, -1.0f;
+        set_block(J, 0, 0, sample.J);
+        J[3] = -1.0f;
         system.add(J, Vec<float, 1>(r), weight);
         system.add_cost(weight * r * r);
         ++seen;
@@ -128,9 +129,9 @@ class RotationAligner {
       if (!best.valid || cost < best.cost) best = {true, R_cur_prev, cost};
       Vec<float, 4> d;
       if (!system.solve(d)) break;
-      const Vec<float, 3> dphi = d.head<3>();
-      R_cur_prev = R_cur_prev * SO3<S>::exp(dphi.template cast<S>());
-      if (dphi.norm() < options.step_tolerance_rad) break;
+      const Vec<float, 3> dphi = segment<3>(d, 0);
+      R_cur_prev = R_cur_prev * SO3<S>::exp(cast_to<S>(dphi));
+      if (norm(dphi) < options.step_tolerance_rad) break;
     }
     return best;
   }
@@ -142,9 +143,9 @@ class RotationAligner {
     float intensity;
   };
 
-  static float interpolate_inside(const ImageView<const float>& image, Vec<float, 2> uv) {
-    uv = uv.cwiseMin(Vec<float, 2>(float(image.width) - 1.001f, float(image.height) - 1.001f));
-    return interpolate(image, uv.x(), uv.y());
+  static float interpolate_inside(const ImageView<const float>& image, const Vec<float, 2>& uv) {
+    return interpolate(image, std::min(uv.x(), float(image.width) - 1.001f),
+                       std::min(uv.y(), float(image.height) - 1.001f));
   }
 
   std::array<Sample, grid_limit> samples_;
