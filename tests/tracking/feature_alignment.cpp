@@ -159,6 +159,42 @@ TEST_CASE("feature alignment: an edge moves along its normal alone") {
   }
 }
 
+TEST_CASE("feature alignment: noise is no texture") {
+  Mat2f H = make(900, 200, 200, 500);
+  REQUIRE((without_noise(H, 100) - make(800, 200, 200, 400)).norm() < 1e-3f);
+  REQUIRE(without_noise(Mat2f(300 * Mat2f::Identity()), 100) == 200 * Mat2f::Identity());
+  REQUIRE(without_noise(H, 0).isApprox(H));
+  const Vec2f along(std::cos(0.3f), std::sin(0.3f)), across(-along.y(), along.x());
+  H = 5000 * across * across.transpose() + 90 * along * along.transpose();
+  const Mat2f edge = without_noise(H, 100);
+  REQUIRE(along.dot(edge * along) == Approx(1.0f).epsilon(1e-2));
+  REQUIRE(across.dot(edge * across) == Approx(4900.0f).epsilon(1e-3));
+
+  // A straight edge in a noisy image: aligned, and its place along the edge stays unknown.
+  cv::Mat image(480, 640, CV_8U);
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      image.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(120 + 60 * std::tanh((x - 320.3) / 1.5));
+    }
+  }
+  const auto reference = std::make_unique<Pyr>(), current = std::make_unique<Pyr>();
+  int aligned = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    REQUIRE(reference->build(opencv::view<std::uint8_t>(testing::with_noise(image, 2.0, 2 * seed))));
+    REQUIRE(current->build(opencv::view<std::uint8_t>(testing::with_noise(image, 2.0, 2 * seed + 1))));
+    ReferencePatch patch;
+    REQUIRE(patch.capture(*reference, Vec2f(320, 240)));
+    const Alignment found = align_patch(patch, Mat2f::Identity(), *current, Vec2f(320, 240), AlignmentOptions{});
+    if (!found.valid) continue;
+    ++aligned;
+    const float error = (found.uv - Vec2f(320, 240)).y(), information = found.information_per_intensity(1, 1);
+    REQUIRE(error * error * information < 9 * 15 * 15);  // within 3 of PointFlowOptions::sigma_intensity
+    REQUIRE(15 / std::sqrt(information) > 1.5f);         // px
+    REQUIRE(found.information_per_intensity(0, 0) > 50 * information);
+  }
+  REQUIRE(aligned > 5);
+}
+
 TEST_CASE("feature alignment: an edge normal maps as a covector") {
   Random random(17);
   int large = 0;

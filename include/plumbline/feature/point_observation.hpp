@@ -12,20 +12,20 @@ namespace plumbline {
 template <class S, bool has_depth, bool rolls>
 struct PointObservation {
   bool valid = false;
-  Vec<float, 2> pixel = Vec<float, 2>::Zero();        ///< in the image [px]
-  Vec<float, 2> uv = Vec<float, 2>::Zero();           ///< in the middle of the frame, see RollingShutter [px]
-  Mat<float, 2, 2> L = Mat<float, 2, 2>::Identity();  ///< L^T L is the information of uv [1/px^2]
+  Vec<float, 2> pixel = zeros<float, 2>();    ///< in the image [px]
+  Vec<float, 2> uv = zeros<float, 2>();       ///< in the middle of the frame, see RollingShutter [px]
+  Mat<float, 2, 2> L = identity<float, 2>();  ///< L^T L is the information of uv [1/px^2]
   [[no_unique_address]] Present<Vec<float, 2>, rolls> uv_slope;     ///< d uv / d readout [px/s]
   [[no_unique_address]] Present<InverseDepth<S>, has_depth> depth;  ///< of the pixel, where there is one
 
   const Vec<float, 2>& place() const { return pixel; }
   /// All errors are `scale` times those expected.
-  void scale_sigma(S scale) { L /= float(scale); }
+  void scale_sigma(S scale) { L = L / float(scale); }
   /// The readout time turned out to be `change_s` longer.
   void change_readout(S change_s) { uv += float(change_s) * uv_slope.get(); }
 };
 
-/// L of  Sigma = sigma_px^2 I + sigma_intensity^2 (J^T J)^-1,  the information that an alignment measured.       (11)
+/// L of  Sigma = sigma_px^2 I + sigma_intensity^2 H^-1,  H the information that an alignment measured.           (11)
 /// Edges are known across and unknown along: what is not measured does not count.
 inline Mat<float, 2, 2> whitening_of(const Mat<float, 2, 2>& information_per_intensity, float sigma_px,
                                      float sigma_intensity) {

@@ -6,6 +6,7 @@
 ///   l         = smallest level with det(A_cr) / 4^l <= 3;  rejected: det <= 0.05, det > 25, cond(A_cr) > 8     (8)
 ///   T_j       = I_r(u_r + A_cr^-1 D_j 2^l),  D_j in pixels of the search level l                               (9)
 ///   n_c       = A_cr^-T n_r / |.|                                an edge normal is a covector                 (10)
+///   H         = J^T J - n s^2/2 I                                n pixels of noise s alone look like texture (10a)
 /// Gradients are those of the WARPED template: they are in the axes of the current image.
 
 #include <algorithm>
@@ -27,6 +28,7 @@ struct AlignmentOptions {
   float min_eigenvalue = 0.5f;  ///< texture per pixel [intensity^2/px^2]; along the normal for edges
   float max_rms = 20.0f;        ///< intensity residual after gain and bias
   float min_gain = 0.5f, max_gain = 2.0f;
+  float image_noise = 2;      ///< s of (10a) on level 0, half of it on each next one [intensity]
   bool coarse_start = false;  ///< search one level higher first: for guesses wrong by more than 2..3 px
 };
 
@@ -35,7 +37,7 @@ struct Alignment {
   Vec<float, 2> uv;  ///< [px] of level 0
   int level;         ///< where it was measured: its pixel is 2^level px wide
   float rms;         ///< intensity residual
-  /// J^T J of the position, gain and bias eliminated, in pixels of level 0; times 1/sigma_intensity^2 it is the
+  /// (10a) of the position, gain and bias eliminated, in pixels of level 0; times 1/sigma_intensity^2 it is the
   /// information of uv. Rank one for edges.
   Mat<float, 2, 2> information_per_intensity;
 };
@@ -51,13 +53,13 @@ Mat<float, 2, 2> affine_warp(const Camera& camera_ref, const Camera& camera_cur,
   using S = typename Camera::Scalar;
   const Projection<S> reference = camera_ref.project(bearing_ref);
   const Projection<S> current = camera_cur.project(T_cur_ref * Vec<S, 3>(range * bearing_ref));
-  const S n_dot_b = n_ref.dot(bearing_ref);
-  if (!reference.valid || !current.valid || n_dot_b == S(0)) return Mat<float, 2, 2>::Zero();
+  const S n_dot_b = dot(n_ref, bearing_ref);
+  if (!reference.valid || !current.valid || n_dot_b == S(0)) return zeros<float, 2, 2>();
   const Mat<S, 3, 2> J_b_uv = bearing_jacobian(reference.J_uv_p);
   Mat<float, 2, 2> A_cur_ref;
   for (int k = 0; k < 2; ++k) {
     const Vec<S, 3> db = block<3, 1>(J_b_uv, 0, k);
-    const Vec<S, 3> dp = range * (db - (n_ref.dot(db) / n_dot_b) * bearing_ref);             // (6)
+    const Vec<S, 3> dp = range * (db - (dot(n_ref, db) / n_dot_b) * bearing_ref);            // (6)
     const Vec<S, 2> column = product(current.J_uv_p, Vec<S, 3>(T_cur_ref.rotation() * dp));  // (7)
     for (int i = 0; i < 2; ++i) A_cur_ref(i, k) = float(column[i]);
   }
@@ -78,7 +80,7 @@ inline int search_level(const Mat<float, 2, 2>& A_cur_ref, int max_level) {
   float det = A_cur_ref(0, 0) * A_cur_ref(1, 1) - A_cur_ref(0, 1) * A_cur_ref(1, 0);
   if (!(det > min_det && det <= max_det)) return -1;
   // s1^2 + s2^2 = |A|_F^2 and s1 s2 = det: s1/s2 <= c  <=>  |A|_F^2 <= (c + 1/c) det
-  if (!(A_cur_ref.squaredNorm() <= (max_condition + 1.0f / max_condition) * det)) return -1;
+  if (!(squared_norm(A_cur_ref) <= (max_condition + 1.0f / max_condition) * det)) return -1;
   int level = 0;
   for (; level < max_level && det > max_level_det; ++level) det /= 4.0f;
   return level;
@@ -110,20 +112,34 @@ bool warp_template(const ReferencePatch& reference, const Mat<float, 2, 2>& A_cu
   return false;
 }
 
+/// (10a), `noise` = n s^2/2; its eigenvalues are at least a hundredth of that.
+inline Mat<float, 2, 2> without_noise(const Mat<float, 2, 2>& JtJ, float noise) {
+  const float mean = 0.5f * (JtJ(0, 0) + JtJ(1, 1)), half_difference = 0.5f * (JtJ(0, 0) - JtJ(1, 1));
+  const float half_gap = std::sqrt(half_difference * half_difference + JtJ(0, 1) * JtJ(0, 1));
+  const auto left = [noise](float eigenvalue) { return std::max(eigenvalue - noise, 0.01f * noise); };
+  const float largest = left(mean + half_gap), least = left(mean - half_gap);
+  const float stretch = half_gap > 0 ? 0.5f * (largest - least) / half_gap : 0.0f, middle = 0.5f * (largest + least);
+  Mat<float, 2, 2> H;
+  H(0, 0) = middle + stretch * half_difference;
+  H(1, 1) = middle - stretch * half_difference;
+  H(0, 1) = H(1, 0) = stretch * JtJ(0, 1);
+  return H;
+}
+
 /// Shared by points and edges: `n` null aligns both components, else the one along the unit normal *n.
 template <int PatchSize, class Pyr>
 Alignment align_on_level(const ReferencePatch& reference, const Mat<float, 2, 2>& A_cur_ref, const Pyr& current,
                          const Vec<float, 2>& uv_guess, const Vec<float, 2>* n, int level,
                          const AlignmentOptions& options) {
   using Template = PatchTemplate<PatchSize>;
-  Alignment out{false, uv_guess, level, 0.0f, Mat<float, 2, 2>::Zero()};
+  Alignment out{false, uv_guess, level, 0.0f, zeros<float, 2, 2>()};
   typename Template::Bordered bordered;
   if (!warp_template<Template::bordered_size>(reference, A_cur_ref, level, bordered)) return out;
   Template patch;
   patch.set(bordered, n == nullptr);
   const Mat<float, 2, 2>& H = patch.information();
   const float texture =
-      n == nullptr ? patch.min_eigenvalue() : n->dot(H * *n) / static_cast<float>(PatchSize * PatchSize);
+      n == nullptr ? patch.min_eigenvalue() : dot(*n, H * *n) / static_cast<float>(PatchSize * PatchSize);
   if (!(texture > options.min_eigenvalue)) return out;
   const PatchSearch bounds{options.max_iterations, options.epsilon_px, options.max_move_px};
   const Vec<float, 2> start = to_level(uv_guess, level);
@@ -134,8 +150,10 @@ Alignment align_on_level(const ReferencePatch& reference, const Mat<float, 2, 2>
   out.valid =
       match.valid && match.rms < options.max_rms && match.gain > options.min_gain && match.gain < options.max_gain;
   const float scale = match.gain / static_cast<float>(1 << level);
-  out.information_per_intensity = scale * scale * H;
-  if (n != nullptr) out.information_per_intensity = (scale * scale * n->dot(H * *n)) * *n * n->transpose();
+  const float noise = options.image_noise / static_cast<float>(1 << level);
+  constexpr float half_pixels = 0.5f * PatchSize * PatchSize;
+  out.information_per_intensity = scale * scale * without_noise(H, half_pixels * noise * noise);
+  if (n != nullptr) out.information_per_intensity = (scale * scale * dot(*n, H * *n)) * *n * n->transpose();
   return out;
 }
 
@@ -144,7 +162,7 @@ template <int PatchSize, class Pyr>
 Alignment align_from_coarse(const ReferencePatch& reference, const Mat<float, 2, 2>& A_cur_ref, const Pyr& current,
                             const Vec<float, 2>& uv_guess, const Vec<float, 2>* n, const AlignmentOptions& options) {
   const int level = search_level(A_cur_ref, Pyr::levels - 1);
-  if (level < 0 || reference.levels() == 0) return {false, uv_guess, 0, 0.0f, Mat<float, 2, 2>::Zero()};
+  if (level < 0 || reference.levels() == 0) return {false, uv_guess, 0, 0.0f, zeros<float, 2, 2>()};
   Vec<float, 2> start = uv_guess;
   if (options.coarse_start && level + 1 < Pyr::levels) {
     const Alignment coarse = align_on_level<PatchSize>(reference, A_cur_ref, current, start, n, level + 1, options);
