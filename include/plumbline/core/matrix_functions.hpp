@@ -114,7 +114,7 @@ S max_abs(const Mat<S, R, C>& A) {
   S out = S(0);
   for (int k = 0; k < R * C; ++k) {
     const S a = std::abs(A.data()[k]);
-    if (!(a <= out) && out == out) out = a;
+    if (!(a <= out) && !std::isnan(out)) out = a;
   }
   return out;
 }
