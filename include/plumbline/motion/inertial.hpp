@@ -75,7 +75,7 @@ class Inertial {
     const SO3<S> turned = T_body_cam.rotation() * rig.T_body_cam().rotation().inverse();
     camera_imu_.turn_mount(cast_to<double>(turned.log()));
     rig.set_T_body_cam(T_body_cam);
-    rig.set_time_offset(rig.time_offset_s() + camera_imu_.take_time_offset());
+    rig.set_time_offset(rig.time_offset_s() + camera_imu_.take_time_offset(is_metric_));
     imu_.set_camera_time_offset(rig.time_offset_s());
     return rig.time_offset_s();
   }

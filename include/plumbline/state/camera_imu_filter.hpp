@@ -25,7 +25,7 @@ struct CameraImuOptions {
   double doubt = 4;                   ///< the clock is wrong beyond so many sigma
   double max_doubt_s = 0.01;          ///< if that sigma is less,
   double min_error_s = 1e-3;          ///< and if it is by more
-  double trust = 1;                   ///< one that was found to be wrong is corrected beyond so many
+  double trust = 1;                   ///< one that was found to be wrong is corrected beyond so many, before the start
   double max_step_s = 0.01;           ///< of the clock, in one frame
   double max_correction_s = 0.15;     ///< of the clock, in all
   double step_error = 0.2;            ///< part of a correction of the clock that remains in doubt
@@ -125,12 +125,13 @@ class CameraImuFilter {
     d_ += x[clock];
   }
 
-  /// The correction of the clock that is beyond doubt [s]; from now on it is in force.
-  double take_time_offset() {
+  /// The correction of the clock that is beyond doubt [s]; from now on it is in force. Links by readings of the clock
+  /// before will contradict those of the next one, so that noise must not move it then.
+  double take_time_offset(bool links_frames) {
     const double sigma = time_offset_sigma();
     if (in_a_row_ < options_.min_in_a_row || !(sigma < options_.max_doubt_s)) return 0;
-    const double least =
-        clock_is_wrong_ ? options_.trust * sigma : std::max(options_.min_error_s, options_.doubt * sigma);
+    const double least = clock_is_wrong_ && !links_frames ? options_.trust * sigma
+                                                          : std::max(options_.min_error_s, options_.doubt * sigma);
     if (!(std::abs(d_) > least)) return 0;
     clock_is_wrong_ = true;
     forget_mount();  // it was found with the clock wrong
