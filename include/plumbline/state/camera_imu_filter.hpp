@@ -25,7 +25,8 @@ struct CameraImuOptions {
   double doubt = 4;                   ///< the clock is wrong beyond so many sigma
   double max_doubt_s = 0.01;          ///< if that sigma is less,
   double min_error_s = 1e-3;          ///< and if it is by more
-  double trust = 1;                   ///< one that was found to be wrong is corrected beyond so many, before the start
+  double trust = 1;                   ///< one that was found to be wrong is corrected beyond so many,
+  double linked_trust = 2;            ///< beyond so many where readings link frames
   double max_step_s = 0.01;           ///< of the clock, in one frame
   double max_correction_s = 0.15;     ///< of the clock, in all
   double step_error = 0.2;            ///< part of a correction of the clock that remains in doubt
@@ -130,8 +131,8 @@ class CameraImuFilter {
   double take_time_offset(bool links_frames) {
     const double sigma = time_offset_sigma();
     if (in_a_row_ < options_.min_in_a_row || !(sigma < options_.max_doubt_s)) return 0;
-    const double least = clock_is_wrong_ && !links_frames ? options_.trust * sigma
-                                                          : std::max(options_.min_error_s, options_.doubt * sigma);
+    const double least = clock_is_wrong_ ? (links_frames ? options_.linked_trust : options_.trust) * sigma
+                                         : std::max(options_.min_error_s, options_.doubt * sigma);
     if (!(std::abs(d_) > least)) return 0;
     clock_is_wrong_ = true;
     forget_mount();  // it was found with the clock wrong
