@@ -77,27 +77,41 @@ TEMPLATE_TEST_CASE("line_depth: the noise of the result is the predicted one", "
 TEMPLATE_TEST_CASE("line_depth: the nearer side of an occluding edge, and outliers", "", float, double) {
   using S = TestType;
   Noise noise{Random(2)};
-  int both = 0;  // samples of equal sides that were taken together
-  for (int i = 0; i < 100; ++i) {
-    const double sigma = 3e-3;
+  const double sigma = 7e-3;  // as structured light at 3 m
+  int together = 0, taken_for_one = 0;
+  double ledge_error = 0;
+  for (int i = 0; i < 200; ++i) {
     const auto near = samples_of<S>(0.5, 0.45, 24, sigma, noise), far = samples_of<S>(0.2, 0.22, 24, sigma, noise),
                same = samples_of<S>(0.5, 0.45, 24, sigma, noise);
-    std::vector<LineDepthSample<S>> edge, texture, broken;
-    for (std::size_t k = 0; k < near.size(); ++k) {
-      edge.push_back(k % 2 == 0 ? nearer_side(near[k], far[k]) : nearer_side(far[k], near[k]));
-      texture.push_back(nearer_side(near[k], same[k]));
-      broken.push_back(k % 3 == 1 ? far[k] : near[k]);  // one in three has lost the near side
-      both += texture.back().sigma == Approx(sigma / std::sqrt(2.0));
-    }
-    for (const auto& samples : {edge, texture, broken}) {
-      const LineDepth<S> found = fit(samples);
+    std::vector<LineDepthSample<S>> broken = near;  // one in three has lost the near side
+    for (std::size_t k = 1; k < broken.size(); k += 3) broken[k] = far[k];
+    const LineDepth<S> one = fit(near), edge = nearer_side(one, fit(far)), texture = nearer_side(one, fit(same));
+    for (const LineDepth<S>& found : {edge, nearer_side(fit(far), one), texture, fit(broken)}) {
       REQUIRE(found.valid);
-      REQUIRE(found.inverse_depth[0] == Approx(0.5).margin(5e-3));
-      REQUIRE(found.inverse_depth[1] == Approx(0.45).margin(5e-3));
+      REQUIRE(found.inverse_depth[0] == Approx(0.5).margin(2e-2));
+      REQUIRE(found.inverse_depth[1] == Approx(0.45).margin(2e-2));
     }
+    REQUIRE(edge.inverse_depth == one.inverse_depth);
+    REQUIRE(edge.covariance == one.covariance);
     REQUIRE(fit(broken).inliers <= 17);
+    if (texture.inliers > one.inliers) {
+      ++together;
+      REQUIRE(texture.covariance(0, 0) == Approx(one.covariance(0, 0) / 2).epsilon(0.3));
+    }
+    // 3.0 m before 3.2 m: three sigma of one sample's difference would be 0.26 m
+    const LineDepth<S> ledge = nearer_side(fit(samples_of<S>(1 / 3.0, 1 / 3.0, 24, sigma, noise)),
+                                           fit(samples_of<S>(1 / 3.2, 1 / 3.2, 24, sigma, noise)));
+    taken_for_one += ledge.inliers > 24;
+    ledge_error += 3 - 2 / double(ledge.inverse_depth.sum());
   }
-  REQUIRE(both > 0.99 * 2400);
+  REQUIRE(together > 0.93 * 200);  // samples add up to eight only, so these are surer than they claim
+  REQUIRE(taken_for_one < 0.1 * 200);
+  REQUIRE(std::abs(ledge_error / 200) < 0.02);
+  // what has one side only has that
+  const LineDepth<S> alone = fit(samples_of<S>(0.5, 0.45, 24, sigma, noise));
+  REQUIRE(nearer_side(alone, LineDepth<S>{}).inverse_depth == alone.inverse_depth);
+  REQUIRE(nearer_side(LineDepth<S>{}, alone).inverse_depth == alone.inverse_depth);
+  REQUIRE_FALSE(nearer_side(LineDepth<S>{}, LineDepth<S>{}).valid);
 }
 
 TEMPLATE_TEST_CASE("line_depth: not valid without agreement, extent, certainty or samples", "", float, double) {

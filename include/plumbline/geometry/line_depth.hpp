@@ -4,7 +4,8 @@
 ///   1/z(s) = (1 - s) l_a + s l_b          s in [0, 1] along the segment on the plane z = 1: exactly affine    (26)
 ///   Sigma  = (sum [1-s, s]^T [1-s, s] / sigma^2)^-1  max(1, samples / independent_samples)                    (27)
 /// Inverse depth is what disparity sensors measure with constant noise; least squares of points in space would weigh
-/// the far end wrongly. An edge often is where a near surface ends: of the two sides the NEARER one owns it.
+/// the far end wrongly. An edge often is where a near surface ends: of the two sides the NEARER one owns it. They are
+/// told apart as lines: a single pair of samples does not show a step that all of them do.
 
 #include <algorithm>
 #include <cmath>
@@ -53,15 +54,12 @@ Line3<S> line_from_depth(const Vec<S, 3>& m_start, const Vec<S, 3>& m_end, const
   return Line3<S>::through(m_start / inverse_depth[0], m_end / inverse_depth[1]);
 }
 
-/// One sample of the two sides of an edge at the same place: both together where they agree, else the nearer one.
 template <class S>
-LineDepthSample<S> nearer_side(const LineDepthSample<S>& a, const LineDepthSample<S>& b, S agreement_sigmas = S(3)) {
-  const S var_a = a.sigma * a.sigma, var_b = b.sigma * b.sigma;
-  if (!(std::abs(a.inverse_depth - b.inverse_depth) < agreement_sigmas * std::sqrt(var_a + var_b))) {
-    return a.inverse_depth > b.inverse_depth ? a : b;
-  }
-  const S w = var_b / (var_a + var_b);
-  return {a.along, w * a.inverse_depth + (1 - w) * b.inverse_depth, std::sqrt(w * var_a)};
+Mat<S, 2, 2> inverse_of_symmetric(const Mat<S, 2, 2>& A) {
+  const S det = A(0, 0) * A(1, 1) - A(0, 1) * A(0, 1);
+  Mat<S, 2, 2> out;
+  out << A(1, 1) / det, -A(0, 1) / det, -A(0, 1) / det, A(0, 0) / det;
+  return out;
 }
 
 /// The affine function that most samples agree on, then weighted least squares of those.
@@ -104,8 +102,7 @@ LineDepth<S> fit_line_depth(std::span<const LineDepthSample<S>> samples, const L
       first = std::min(first, x.along);
       last = std::max(last, x.along);
     }
-    const S det = H(0, 0) * H(1, 1) - H(0, 1) * H(0, 1);
-    out.covariance << H(1, 1) / det, -H(0, 1) / det, -H(0, 1) / det, H(0, 0) / det;
+    out.covariance = inverse_of_symmetric(H);
     out.inverse_depth = out.covariance * g;
   }
   out.covariance *= std::max(S(1), S(out.inliers) / S(options.independent_samples));  // (27)
@@ -114,6 +111,23 @@ LineDepth<S> fit_line_depth(std::span<const LineDepthSample<S>> samples, const L
               sigma[0] < S(options.max_relative_sigma) * out.inverse_depth[0] &&  // false for NaN too
               sigma[1] < S(options.max_relative_sigma) * out.inverse_depth[1];
   return out;
+}
+
+/// The line of both sides of an edge: of both together where they agree, else of the nearer one; and of one alone where
+/// the other is not valid.
+///   d = l_1 - l_2,   d^T (Sigma_1 + Sigma_2)^-1 d < max_chi2, of 95 %                                       (27a)
+template <class S>
+LineDepth<S> nearer_side(const LineDepth<S>& one, const LineDepth<S>& other, S max_chi2 = S(6)) {
+  if (!one.valid || !other.valid) return one.valid ? one : other;
+  const Vec<S, 2> d = one.inverse_depth - other.inverse_depth;
+  const Mat<S, 2, 2> W = inverse_of_symmetric<S>(one.covariance + other.covariance);
+  const Vec<S, 2> W_d = W * d;
+  if (!(dot(d, W_d) < max_chi2)) return d.sum() > S(0) ? one : other;
+  LineDepth<S> both = one;
+  both.inverse_depth -= one.covariance * W_d;
+  both.covariance = one.covariance * W * other.covariance;
+  both.inliers += other.inliers;
+  return both;
 }
 
 }  // namespace plumbline

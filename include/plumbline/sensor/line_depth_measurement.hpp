@@ -2,6 +2,7 @@
 /// The depth of an image segment from the depth image around it.                            docs/math/line.md (26)
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -23,8 +24,8 @@ struct LineDepthSampling {
   LineDepthOptions fit;
 };
 
-/// Samples both sides of the segment from `uv_start` to `uv_end` [px] and fits its inverse depth; that of the result
-/// belongs to these two pixels.
+/// Samples both sides of the segment from `uv_start` to `uv_end` [px] and fits the inverse depth of each; that of the
+/// result belongs to these two pixels.
 template <CameraModel Camera>
 LineDepth<typename Camera::Scalar> measure_line_depth(const Camera& camera,
                                                       const DepthSensor<typename Camera::Scalar>& sensor,
@@ -45,19 +46,23 @@ LineDepth<typename Camera::Scalar> measure_line_depth(const Camera& camera,
   const Vec<float, 2> along = (uv_end - uv_start) / length,
                       side(-options.side_px * along.y(), options.side_px * along.x());
   const int places = static_cast<int>(std::min(usable / options.spacing_px, static_cast<float>(max_samples - 1))) + 1;
-  FixedVector<LineDepthSample<S>, max_samples> samples;
+  std::array<FixedVector<LineDepthSample<S>, max_samples>, 2> sides;
   for (int k = 0; k < places; ++k) {
     const float t = options.end_px + usable * (static_cast<float>(k) + 0.5f) / static_cast<float>(places);
     const Vec<float, 2> uv = uv_start + t * along;
-    const InverseDepth<S> left = sensor.at(depth, uv - side), right = sensor.at(depth, uv + side);
-    if (!(left.valid || right.valid) || !ray_of(uv, m)) continue;
+    if (!ray_of(uv, m)) continue;
     const S s = along_segment(m, m_start, m_end);
-    const LineDepthSample<S> a{s, left.value, left.sigma}, b{s, right.value, right.sigma};
-    samples.push_back(left.valid && right.valid ? nearer_side(a, b) : left.valid ? a : b);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const InverseDepth<S> beside = sensor.at(depth, i == 0 ? uv - side : uv + side);
+      if (beside.valid) sides[i].push_back({s, beside.value, beside.sigma});
+    }
   }
-  LineDepth<S> out = fit_line_depth(std::span<const LineDepthSample<S>>(samples.data(), samples.size()), options.fit);
-  out.valid = out.valid && 3 * samples.size() >= static_cast<std::size_t>(places);  // holes all along say nothing
-  return out;
+  const auto fit = [&](const auto& samples) {
+    LineDepth<S> out = fit_line_depth(std::span<const LineDepthSample<S>>(samples.data(), samples.size()), options.fit);
+    out.valid = out.valid && 3 * samples.size() >= static_cast<std::size_t>(places);  // holes all along say nothing
+    return out;
+  };
+  return nearer_side(fit(sides[0]), fit(sides[1]));
 }
 
 }  // namespace plumbline
