@@ -54,6 +54,7 @@ Line3<S> line_from_depth(const Vec<S, 3>& m_start, const Vec<S, 3>& m_end, const
   return Line3<S>::through(m_start / inverse_depth[0], m_end / inverse_depth[1]);
 }
 
+/// Of a positive definite matrix; not finite where it is singular.
 template <class S>
 Mat<S, 2, 2> inverse_of_symmetric(const Mat<S, 2, 2>& A) {
   const S det = A(0, 0) * A(1, 1) - A(0, 1) * A(0, 1);
