@@ -103,21 +103,26 @@ class ByHand {
     return store().tracked_count() >= 15;
   }
 
-  /// Constant velocity, its rotation replaced by that of the thumbnails.
+  /// Constant velocity, its rotation by the thumbnails; without its translation where they fit better so.
   SE3<S> predict(const View<Sensors>& view) {
     const SE3<S> latest = window().latest().T_world_body;
     SE3<S> T = latest;
     if (view.dt < S(0.5)) T = plus(T, Vec<S, 6>(velocity_ * view.dt));
-    const SO3<S> R_world_cam = (latest * T_body_cam_).rotation();
-    const SO3<S> guess = (T * T_body_cam_).rotation().inverse() * R_world_cam;
+    const SE3<S> T_world_previous = latest * T_body_cam_;
+    const SE3<S> guess = (T * T_body_cam_).inverse() * T_world_previous;
+    const Vec<S, 3> parallax = guess.p() / mean_depth();
     thumbnail_.build(view.previous);
     rotation_.set_previous(rig_.vision.camera, thumbnail_);
     thumbnail_.build(view.current);
-    RotationAlignment<S> best = rotation_.align(rig_.vision.camera, thumbnail_, guess, rotation_options_);
-    const RotationAlignment<S> still = rotation_.align(rig_.vision.camera, thumbnail_, SO3<S>(), rotation_options_);
-    if (still.valid && (!best.valid || still.cost < best.cost)) best = still;
-    if (!best.valid) return T;
-    return SE3<S>(R_world_cam * best.R_cur_prev.inverse() * T_body_cam_.rotation().inverse(), T.p());
+    const auto align = [&](const SO3<S>& R, const Vec<S, 3>& q) {
+      return rotation_.align(rig_.vision.camera, thumbnail_, R, q, rotation_options_);
+    };
+    const RotationAlignment<S> moved = align(guess.rotation(), parallax);
+    const RotationAlignment<S> still = align(SO3<S>(), Vec<S, 3>::Zero());
+    if (!still.valid && !moved.valid) return T;
+    const bool rests = still.valid && (!moved.valid || still.cost < moved.cost);
+    const SO3<S> R_world_cam = T_world_previous.rotation() * (rests ? still : moved).R_cur_prev.inverse();
+    return SE3<S>(R_world_cam * T_body_cam_.rotation().inverse(), rests ? latest.p() : T.p());
   }
 
   void vote(const View<Sensors>& view, SE3<S>& T) {
@@ -151,11 +156,13 @@ class ByHand {
     window().set_latest(slot);
     adopt(view, slot);
     if (!window().full()) return;
+    backend_.retire(rig_, T_body_cam_, landmarks_, KeyframeRule::leaving(window(), mean_depth(), false), map_);
+  }
+  S mean_depth() {
     S inverse_sum = S(0);
     int count = 0;
     store().add_inverse_ranges(inverse_sum, count);
-    const S mean_depth = count > 0 ? S(count) / inverse_sum : S(1);
-    backend_.retire(rig_, T_body_cam_, landmarks_, KeyframeRule::leaving(window(), mean_depth, false), map_);
+    return count > 0 ? S(count) / inverse_sum : S(1);
   }
 
   void detect(const View<Sensors>& view, int slot) {

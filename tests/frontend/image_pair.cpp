@@ -109,15 +109,16 @@ TEMPLATE_TEST_CASE("image_pair: the coarsest pixels tell how the camera turned",
   images->keep(images->view(rig, first, SE3<S>(), S(0), S(0.1)), SE3<S>());
   REQUIRE(images->see(second));
   const View<Sensors> view = images->view(rig, second, SE3<S>(), S(0), S(0.1));
-  const RotationAlignment<S> found = images->align_rotation(view, SO3<S>());
+  const RotationAlignment<S> found = images->align_motion(view, SE3<S>(), S(1));
   REQUIRE(found.valid);
   // What was straight ahead is now seen `shift` pixels to the right.
   const Vec<S, 3> ahead = found.R_cur_prev * Vec<S, 3>::UnitZ();
   REQUIRE(double(ahead.x() / ahead.z()) == Approx(shift / 268.0).epsilon(0.2));
   REQUIRE(std::abs(double(ahead.y())) < 0.01);
   // A wrong guess does no harm: rest is tried as well.
-  const RotationAlignment<S> again = images->align_rotation(view, SO3<S>::exp({S(0.8), S(-0.5), S(1)}));
-  REQUIRE((again.valid && again.cost <= found.cost * S(1.01)));
+  const RotationAlignment<S> again =
+      images->align_motion(view, SE3<S>(SO3<S>::exp({S(0.8), S(-0.5), S(1)}), zeros<S, 3>()), S(1));
+  REQUIRE((again.valid && !again.moved && again.cost <= found.cost * S(1.01)));
 }
 
 TEST_CASE("image_pair: a picture again, and almost") {

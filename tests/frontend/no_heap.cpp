@@ -65,7 +65,7 @@ TEST_CASE("no heap: see, follow, agree, estimate, refine, locate, record, linear
       view.shutter.set_angular_rate(Vec<float, 3>(0.1f, 0.2f, -0.1f));
       SE3<float> T = T_true;
       if (i > 0) {
-        images->align_rotation(view, SO3<float>());
+        images->align_motion(view, SE3<float>(), 2.0f);
         front_ends->follow(view, *window, *landmarks, T);
         front_ends->agree(view, *window, *landmarks, {}, T);
         Mat<float, 6, 6> covariance;

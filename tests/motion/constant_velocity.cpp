@@ -32,7 +32,7 @@ struct Moving {
     latest = motion.update(latest, T, Mat<S, 6, 6>::Identity(), view(dt));
   }
   SE3<S> predict(S dt, const test::SeenRotation<S>& seen = {}) {
-    return motion.predict(latest, view(dt), S(0), [&](const SO3<S>&) { return seen; }).state.T_world_body;
+    return motion.predict(latest, view(dt), S(0), [&](const SE3<S>&) { return seen; }).state.T_world_body;
   }
 };
 
@@ -78,21 +78,23 @@ TEMPLATE_TEST_CASE(
   moving.see_next(S(0.05));
   const S dt = S(0.1);
   const SO3<S> R_cur_prev = SO3<S>::exp({S(0.1), S(0.2), S(-0.3)});
-  SO3<S> guess;
-  const SE3<S> T = moving.motion
-                       .predict(moving.latest, moving.view(dt), S(0),
-                                [&](const SO3<S>& from) {
-                                  guess = from;
-                                  return test::SeenRotation<S>{true, R_cur_prev};
-                                })
-                       .state.T_world_body;
+  SE3<S> guess;
+  const auto see = [&](const SE3<S>& from) {
+    guess = from;
+    return test::SeenRotation<S>{true, R_cur_prev};
+  };
+  const SE3<S> T = moving.motion.predict(moving.latest, moving.view(dt), S(0), see).state.T_world_body;
   const SE3<S> expected = plus(moving.latest.T_world_body, Vec<S, 6>(dt * moving.velocity));
   const SO3<S> R_world_previous = moving.latest.T_world_body.rotation();
   CHECK(double((T.p() - expected.p()).norm()) < Moving<S>::tolerance);
   CHECK(double((T.R() - (R_world_previous * R_cur_prev.inverse()).matrix()).norm()) < Moving<S>::tolerance);
-  CHECK(double((guess.matrix() - (expected.rotation().inverse() * R_world_previous).matrix()).norm()) <
-        Moving<S>::tolerance);
+  CHECK(double(minus(guess, expected.inverse() * moving.latest.T_world_body).norm()) < Moving<S>::tolerance);
   CHECK(double((moving.motion.angular_rate() + R_cur_prev.log() / dt).norm()) < 100 * Moving<S>::tolerance);
+
+  // Images that fit better from the same place.
+  const SE3<S> turned = moving.predict(dt, {true, R_cur_prev, false});
+  CHECK(turned.p() == moving.latest.T_world_body.p());
+  CHECK(turned.R() == T.R());
 }
 
 TEST_CASE("constant_velocity: ties no frames, and has no opinion on what the images decide") {
@@ -107,7 +109,7 @@ TEST_CASE("constant_velocity: ties no frames, and has no opinion on what the ima
   const Mat<double, 6, 6> covariance = 2 * Mat<double, 6, 6>::Identity();
   CHECK(motion.covariance_grown(covariance) == covariance);
   const auto predicted = moving.motion.predict(moving.latest, moving.view(0.1), 0,
-                                               [](const SO3<double>&) { return test::SeenRotation<double>{}; });
+                                               [](const SE3<double>&) { return test::SeenRotation<double>{}; });
   CHECK_FALSE(predicted.prior.valid);
 
   NoLinks links(0);

@@ -82,7 +82,7 @@ struct Drive {
   }
   View<Sensors> view() const { return views.at(now, S(frame_s), latest.T_world_body, motion->T_body_cam(T_body_cam)); }
   Prediction<NavState<S>, S> predict(const test::SeenRotation<S>& seen = {}, S blind_s = S(frame_s)) {
-    return motion->predict(latest, view(), blind_s, [&](const SO3<S>&) { return seen; });
+    return motion->predict(latest, view(), blind_s, [&](const SE3<S>&) { return seen; });
   }
   /// The camera's rotation as the images show it.
   test::SeenRotation<S> shown() const {

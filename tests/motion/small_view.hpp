@@ -30,6 +30,7 @@ template <class S>
 struct SeenRotation {
   bool valid = false;
   SO3<S> R_cur_prev;
+  bool moved = true;  ///< beside the translation that was guessed
 };
 
 }  // namespace plumbline::test

@@ -2,8 +2,7 @@
 /// What goes on in every frame once there is a map: predict, track, estimate, keyframe, publish. It has one of each of
 /// what an estimator is composed of, but for the start.
 
-#include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "plumbline/backend/keyframe_rule.hpp"
 #include "plumbline/core/matrix.hpp"
@@ -69,6 +68,7 @@ class Odometry {
     return count > 0 ? sum_px / count : 0;
   }
   int keyframe() const { return keyframe_; }  ///< slot of the last one
+  S mean_depth() const { return landmarks.template mean_depth<S>(); }
 
   /// A frame whose image was taken in, beside the last one that was kept.
   View<Sensors> view_of(const typename Sensors::Frame& frame, bool is_first) {
@@ -84,8 +84,8 @@ class Odometry {
 
   /// Where the frame is expected; its shutter turns as the body does.
   Predicted predict(View<Sensors>& view) {
-    const auto align_rotation = [&](const SO3<S>& guess) { return images.align_rotation(view, guess); };
-    const Predicted predicted = motion.predict(window().latest(), view, S(blind_s(view.t_ns)), align_rotation);
+    const auto align_motion = [&](const SE3<S>& guess) { return images.align_motion(view, guess, mean_depth()); };
+    const Predicted predicted = motion.predict(window().latest(), view, S(blind_s(view.t_ns)), align_motion);
     turn_shutter(view);
     return predicted;
   }
@@ -197,8 +197,8 @@ class Odometry {
   void make_room(const View<Sensors>& view) {
     if (!window().full()) return;
     // Without depth or links scale goes from frame to frame; with links time does.
-    const int slot = KeyframeRule::leaving(window(), landmarks.template mean_depth<S>(),
-                                           /*in_order=*/Motion::is_chain || !Sensors::has_depth);
+    constexpr bool in_order = Motion::is_chain || !Sensors::has_depth;
+    const int slot = KeyframeRule::leaving(window(), mean_depth(), in_order);
     backend.retire(rig, view.T_body_cam, landmarks, slot, map);
   }
   void drop_temporary() {
@@ -208,8 +208,7 @@ class Odometry {
 
   /// The last frame of a standstill stays: what comes is tied to it.
   void keep_temporary(const View<Sensors>& view) {
-    if (temporary_ != none) keyframe_ = temporary_;
-    temporary_ = none;
+    if (temporary_ != none) keyframe_ = std::exchange(temporary_, none);
     make_room(view);
   }
 

@@ -69,26 +69,29 @@ class ImagePair {
     T_world_kept_ = T_world_body;
   }
 
-  /// Rotation of the camera from the previous to the current image by their coarsest pixels, begun at `guess` and at
-  /// rest.
-  RotationAlignment<S> align_rotation(const View<Sensors>& view, const SO3<S>& guess) {
+  /// Rotation of the camera from the previous to the current image by their coarsest pixels: of one that moved from
+  /// place to place as in `T_cur_prev`, `range` from all it sees, or of one that did not, whichever fits better.
+  RotationAlignment<S> align_motion(const View<Sensors>& view, const SE3<S>& T_cur_prev, S range) {
     thumbnail_.build(view.previous);
     rotation_.set_previous(view.camera(), thumbnail_);
     thumbnail_.build(view.current);
-    RotationAlignment<S> best = rotation_.align(view.camera(), thumbnail_, guess, options_);
-    const RotationAlignment<S> still = rotation_.align(view.camera(), thumbnail_, SO3<S>(), options_);
-    if (still.valid && (!best.valid || still.cost < best.cost)) best = still;
-    return best;
+    const auto align = [&](const SE3<S>& guess) {
+      return rotation_.align(view.camera(), thumbnail_, guess.rotation(), Vec<S, 3>(guess.p() / range), options_);
+    };
+    RotationAlignment<S> moved = align(T_cur_prev);
+    moved.moved = true;
+    const RotationAlignment<S> still = align(SE3<S>());
+    return still.valid && (!moved.valid || still.cost < moved.cost) ? still : moved;
   }
 
  private:
   static constexpr std::size_t thumbnail_pixels = decltype(Sensors::vision)::max_pixels >>
                                                   (2 * RigPyramid<Sensors>::levels);
 
-  RotationAlignmentOptions options_;
   std::array<RigPyramid<Sensors>, 2> pyramids_;
-  int kept_ = 0;
   SE3<S> T_world_kept_;
+  int kept_ = 0;
+  RotationAlignmentOptions options_;
   Thumbnail<thumbnail_pixels> thumbnail_;
   RotationAligner<typename Sensors::Camera, thumbnail_pixels> rotation_;
 };

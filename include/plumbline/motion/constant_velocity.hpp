@@ -1,6 +1,6 @@
 #pragma once
-/// Motion of a camera alone: constant velocity, its rotation replaced by what the images say where they say it clearly.
-/// It predicts; it ties no frames together.
+/// Motion of a camera alone: constant velocity, its rotation replaced by what the images say where they say it clearly,
+/// its translation left out where they fit better without. It predicts; it ties no frames together.
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
@@ -52,15 +52,10 @@ class ConstantVelocity {
   void begin_frame(TimeNs, const State* /*latest*/, S /*dt*/) {}
   const SE3<S>& T_body_cam(const SE3<S>& extrinsics) const { return extrinsics; }
 
-  Prediction<State, S> predict(const State& latest, const View<Sensors>& view, S /*blind_s*/, auto&& align_rotation) {
+  Prediction<State, S> predict(const State& latest, const View<Sensors>& view, S /*blind_s*/, auto&& align_motion) {
     SE3<S> T = latest.T_world_body;
     if (view.dt < S(options_.max_prediction_s)) T = plus(T, Vec<S, 6>(velocity_ * view.dt));
-    const SO3<S> R_world_cam = (latest.T_world_body * view.T_body_cam).rotation();
-    const SO3<S> R_cur_prev = (T * view.T_body_cam).rotation().inverse() * R_world_cam;
-    const auto seen = align_rotation(R_cur_prev);
-    if (seen.valid) {
-      T = SE3<S>(R_world_cam * seen.R_cur_prev.inverse() * view.T_body_cam.rotation().inverse(), T.p());
-    }
+    T = turned_as_seen(T, view, align_motion);
     angular_rate_ = segment<3>(minus(T, latest.T_world_body), 0) / view.dt;
     return {{T}, {}};
   }

@@ -98,7 +98,7 @@ class Inertial {
   }
 
   /// While images are of no use the velocity gets worse.
-  Prediction<State, S> predict(const State& latest, const View<Sensors>& view, S blind_s, auto&& align_rotation) {
+  Prediction<State, S> predict(const State& latest, const View<Sensors>& view, S blind_s, auto&& align_motion) {
     const auto& increment = imu_.since_frame().increment();
     if (!is_metric_) {
       State x = latest;
@@ -112,14 +112,10 @@ class Inertial {
       out.state = increment.predict(out.state, gravity_);
       if (at_rest_) set_zero(out.state.v_world_body);
     } else {
-      SO3<S> R_previous_now = increment.corrected(latest.bias_gyro, latest.bias_accel).dR;
-      if (imu_.missing() || imu_.coverage().gyro_saturated_s > 0) {
-        const SO3<S> R_body_cam = view.T_body_cam.rotation();
-        const auto seen = align_rotation(SO3<S>());
-        R_previous_now = seen.valid ? R_body_cam * seen.R_cur_prev.inverse() * R_body_cam.inverse() : SO3<S>();
-      }
-      out.state.T_world_body = SE3<S>(view.T_world_previous.rotation() * R_previous_now,
-                                      latest.T_world_body.p() + view.dt * latest.v_world_body);
+      const bool turn_unknown = imu_.missing() || imu_.coverage().gyro_saturated_s > 0;
+      const SO3<S> R = turn_unknown ? SO3<S>() : increment.corrected(latest.bias_gyro, latest.bias_accel).dR;
+      const SE3<S> T(view.T_world_previous.rotation() * R, latest.T_world_body.p() + view.dt * latest.v_world_body);
+      out.state.T_world_body = turn_unknown ? turned_as_seen(T, view, align_motion) : T;
     }
     for (int k = 0; k < 3; ++k) {
       const auto sigma = [&](int i) { return std::sqrt(double(increment.covariance(i, i))); };

@@ -5,8 +5,8 @@
 ///   calibrate         corrects what is believed of the rig (RigState) by what was found out about it; returns the time
 ///                     offset of the camera [s]
 ///   begin_frame       takes in what was measured up to a frame; the latest state is null before the first one
-///   predict           the frame's state, before its features are used. `align_rotation(guess)` is what the images say
-///                     of the camera's rotation since the previous one; `blind_s`: since when images are of no use
+///   predict           the frame's state, before its features are used. `align_motion(guess)` is what the images say of
+///                     the camera's motion since the previous one; `blind_s`: since when images are of no use
 ///   contradicts       whether the sensors of the motion exclude the pose that the frame's features say
 ///   update            the frame's features say that it is at T, that well: the state with which it enters the window
 ///   revise            after the window was solved: whether the frame's state is corrected by what the images alone say
@@ -31,6 +31,17 @@ struct Prediction {
   X state;             ///< of the frame
   PosePrior<S> prior;  ///< about its pose
 };
+
+/// T, where the body is expected, with the camera's rotation as the images show it.
+template <class S>
+SE3<S> turned_as_seen(const SE3<S>& T, const auto& view, auto&& align_motion) {
+  const SE3<S>& T_world_previous = view.T_world_previous;
+  const auto seen = align_motion((T * view.T_body_cam).inverse() * (T_world_previous * view.T_body_cam));
+  if (!seen.valid) return T;
+  const SO3<S> R_body_cam = view.T_body_cam.rotation();
+  return SE3<S>(T_world_previous.rotation() * R_body_cam * seen.R_cur_prev.inverse() * R_body_cam.inverse(),
+                seen.moved ? T.p() : T_world_previous.p());
+}
 
 template <class M>
 concept Predicts = requires(M& motion, const M& known, const typename M::State& x, typename M::S dt) {

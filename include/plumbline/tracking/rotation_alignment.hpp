@@ -1,12 +1,12 @@
 #pragma once
 /// Rotation between two images from their coarsest pixels alone, without features.          docs/math/tracking.md
 ///
-///   r_i(R)  = I_cur(pi(R b_i)) - I_prev(u_i) - mean        b_i bearing of pixel u_i of the previous image    (12)
+///   r_i(R)  = I_cur(pi(R b_i + q)) - I_prev(u_i) - mean    b_i bearing of pixel u_i of the previous image    (12)
 ///   dr_i/dphi = -g_i J_pi(b_i) [b_i]x                       inverse compositional: g_i gradient of I_prev     (13)
 ///   R <- R Exp(dphi)
 /// On an image of about 40 x 30 pixels a motion of 40 px is one of 2.5 px: it gives optical flow a start where neither
-/// gyroscope nor constant velocity can (the first frames, hands that shake). Translation is not modelled; near things
-/// are outvoted by a robust weight.
+/// gyroscope nor constant velocity can (the first frames, hands that shake). Of translation a guess is taken, q, as if
+/// all were equally far; near things are outvoted by a robust weight.
 
 #include <array>
 #include <cmath>
@@ -68,7 +68,8 @@ template <std::floating_point S>
 struct RotationAlignment {
   bool valid = false;
   SO3<S> R_cur_prev;
-  float cost = 0;  ///< mean robust squared residual [intensity^2]
+  float cost = 0;      ///< mean robust squared residual [intensity^2]
+  bool moved = false;  ///< holds beside the translation that was guessed, not instead of it
 };
 
 template <CameraModel Camera, std::size_t MaxPixels>
@@ -102,15 +103,16 @@ class RotationAligner {
     }
   }
 
+  /// `parallax` is q, the origin of the previous camera in the current one over the range of what is seen.
   RotationAlignment<S> align(const Camera& camera, const Thumbnail<MaxPixels>& current, SO3<S> R_cur_prev,
-                             const RotationAlignmentOptions& options) const {
+                             const Vec<S, 3>& parallax, const RotationAlignmentOptions& options) const {
     RotationAlignment<S> best;
     for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
       DenseNormalEquations<float, 4> system;  // rotation and mean brightness
       int seen = 0;
       for (int i = 0; i < count_; ++i) {
         const Sample& sample = samples_[static_cast<std::size_t>(i)];
-        const Projection<S> projection = camera.project(R_cur_prev * sample.bearing);
+        const Projection<S> projection = camera.project(R_cur_prev * sample.bearing + parallax);
         if (!projection.valid) continue;
         const Vec<float, 2> uv = current.from_full(cast_to<float>(projection.uv));
         if (!current.view().contains(uv.x(), uv.y(), 0.5f)) continue;
