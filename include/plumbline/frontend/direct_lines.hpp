@@ -36,7 +36,7 @@ class DirectLines {
   using Sensors = typename Kind::Sensors;
   using S = typename Kind::Scalar;
   using Landmark = typename Store::Landmark;
-  using Options = DirectLineOptions;
+  using Options = LineOptionsOf<DirectLineOptions, Sensors>;
   static constexpr bool votes = false;
   static constexpr int max_samples_of_one = 8, max_alignment_samples = max_samples_of_one * Store::capacity;
 

@@ -38,6 +38,15 @@ struct EdgeFollowingOptions {
   LineTriangulationOptions triangulation;
 };
 
+/// `Base`, with what is known better of a rig: where depth is measured, lines have their place from it and not from the
+/// very observations that then are residuals, and all of those agree better.
+template <class Base, SensorRig Sensors>
+struct LineOptionsOf : Base {
+  constexpr LineOptionsOf() {
+    if constexpr (Sensors::has_depth) this->sigma_px = 0.2f;
+  }
+};
+
 template <class Store, LineDetector Detector = LineSegmentDetector<>>
 class EdgeFollowing {
  public:
@@ -46,10 +55,10 @@ class EdgeFollowing {
   using S = typename Kind::Scalar;
   using Landmark = typename Store::Landmark;
   using Observation = typename Kind::Observation;
-  using Options = EdgeFollowingOptions;
+  using Options = LineOptionsOf<EdgeFollowingOptions, Sensors>;
   static constexpr bool votes = false;
 
-  explicit EdgeFollowing(const Options& options) : options_(options) {}
+  explicit EdgeFollowing(const EdgeFollowingOptions& options) : options_(options) {}
 
   void follow(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_predicted) {
     has_edges_ = edges_.compute(view.current.level(0), options_.detector.min_gradient);
@@ -189,7 +198,7 @@ class EdgeFollowing {
     }
   }
 
-  Options options_;
+  EdgeFollowingOptions options_;
   EdgeMap<decltype(Sensors::vision)::max_pixels> edges_;
   bool has_edges_ = false;  ///< of the current frame, not yet taken by the detector
   LineTracker tracker_;
