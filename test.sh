@@ -23,10 +23,12 @@ cmake --build --preset release --target all_verify_interface_header_sets
 step "Tests"
 run_tests release
 
-step "The program of the other presets, as it is built from source"
+step "The program of the other presets, as it is built from source, with some of its configurations"
+declare -A configurations=([native]=rgbd/points/window [debug]=rgbd/points/window
+  [clang]="mono/points+collinear/window;rgbd-imu/points+lines+collinear/direct")
 for preset in native debug clang; do
   quiet cmake --preset "$preset" -B "build/source-$preset" -DPLUMBLINE_TESTS=OFF -DPLUMBLINE_EXAMPLES=OFF \
-    -DPLUMBLINE_CONFIGURATIONS=rgbd/points/window
+    -DPLUMBLINE_CONFIGURATIONS="${configurations[$preset]}"
   cmake --build "build/source-$preset" --target plumbline_program
   "build/source-$preset/benchmarks/plumbline/plumbline" list
 done

@@ -11,7 +11,7 @@ case "${1:-}" in
   test)
     packages+=(catch2 ccache libceres-dev libopencv-calib3d-dev libopencv-video-dev libbenchmark-dev pkg-config
       gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib
-      git shellcheck clang clang-format-14 clang-tidy-14 python3-jsonschema chromium)
+      git shellcheck clang libclang-rt-14-dev lld clang-format-14 clang-tidy-14 python3-jsonschema chromium)
     command -v npm > /dev/null || packages+=(nodejs npm)  # there may be one that is not Debian's
     ;;
   *)

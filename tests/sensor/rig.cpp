@@ -22,6 +22,7 @@ static_assert(sizeof(Rig<Rgbd<Camera>>) == sizeof(Rgbd<Camera>));
 
 static_assert(SensorRig<Rig<Mono<Camera>>> && SensorRig<Rig<Rgbd<Pinhole<double, RadTan>>, Imu>>);
 static_assert(SensorRig<Rig<Mono<Camera, pixels, Rolling>, Imu>> && SensorRig<Rig<Rgbd<Camera, pixels, Global>>>);
+static_assert(InertialRig<Rig<Mono<Camera>, Imu>> && !InertialRig<Rig<Mono<Camera>>> && !InertialRig<Imu>);
 static_assert(!SensorRig<Camera> && !SensorRig<Mono<Camera>>);
 static_assert(VisionSensor<Mono<Camera>> && VisionSensor<Rgbd<Camera>> && !VisionSensor<Rig<Mono<Camera>>>);
 

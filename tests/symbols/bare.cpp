@@ -11,4 +11,6 @@ namespace pl = plumbline;
 using Sensors = pl::Rig<pl::Mono<pl::Pinhole<float>, 320 * 240>>;
 using Vo = pl::Estimator<Sensors, pl::Features<pl::Points<60>>, pl::SlidingWindow<5>>;
 
+template class plumbline::Estimator<Sensors, pl::Features<pl::Points<60>>, pl::SlidingWindow<5>>;
+
 bool use(Vo& vo, const Vo::Frame& frame) { return bool(vo.add_frame(frame)); }

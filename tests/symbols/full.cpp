@@ -15,6 +15,9 @@ using Sensors = pl::Rig<pl::Rgbd<pl::Pinhole<float>, 320 * 240>, pl::Imu>;
 using Vio =
     pl::Estimator<Sensors, pl::Features<pl::Points<60>, pl::Lines<20>, pl::Collinear<20>>, pl::SlidingWindow<5>>;
 
+template class plumbline::Estimator<Sensors, pl::Features<pl::Points<60>, pl::Lines<20>, pl::Collinear<20>>,
+                                    pl::SlidingWindow<5>>;
+
 bool use(Vio& vio, const Vio::Frame& frame, const pl::ImuSample& sample) {
   return bool(vio.add_imu(sample)) && bool(vio.add_frame(frame));
 }

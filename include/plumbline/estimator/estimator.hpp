@@ -47,7 +47,9 @@ class Estimator {
 
   /// One reading, before the frame that comes after it: readings up to the frame's time plus the time offset, as far as
   /// it is known (`latest().time_offset_s`). Between two frames the order does not matter. Errors as in ImuBuffer.
-  Result<typename ImuBuffer<>::Accepted> add_imu(const ImuSample& sample) requires Sensors::has_imu {
+  /// (What needs an IMU is a template: to Clang 14 `template class Estimator<...>` asks for it, whatever it requires.)
+  template <InertialRig R = Sensors>
+  Result<typename ImuBuffer<>::Accepted> add_imu(const ImuSample& sample) {
     const State latest = work_.latest_state(core_);
     return core_.motion.imu().add(sample, beginning_.has_first_view() ? &latest : nullptr);
   }
@@ -93,11 +95,20 @@ class Estimator {
   const Map& map() const { return wait(), core_.map; }
 
   const RigState<Sensors>& rig_state() const { return core_.rig_state; }
-  const ImuBuffer<>& imu() const requires Sensors::has_imu { return core_.motion.imu().buffer(); }
+  template <InertialRig R = Sensors>
+  const ImuBuffer<>& imu() const {
+    return core_.motion.imu().buffer();
+  }
   /// What is found out about the camera's clock and mount while running.
-  const CameraImuFilter& camera_imu() const requires Sensors::has_imu { return core_.motion.camera_imu(); }
+  template <InertialRig R = Sensors>
+  const CameraImuFilter& camera_imu() const {
+    return core_.motion.camera_imu();
+  }
   /// Whether the body stands still, as image and IMU have it.
-  bool at_rest() const requires Sensors::has_imu { return core_.motion.at_rest(); }
+  template <InertialRig R = Sensors>
+  bool at_rest() const {
+    return core_.motion.at_rest();
+  }
 
  private:
   void go_on(const View<Sensors>& view, const Predicted& predicted, Stopwatch<TimeSource>& stage) {

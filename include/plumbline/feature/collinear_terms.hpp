@@ -56,7 +56,8 @@ class CollinearTerms {
   double linearize(const LineStore& lines, const PointStore& points, const Views& views) {
     double cost = 0;
     for (Tie& tie : ties_) {
-      const auto &line = lines.landmarks()[tie.line], &point = points.landmarks()[tie.point];
+      const auto& line = lines.landmarks()[tie.line];
+      const auto& point = points.landmarks()[tie.point];
       auto& lin = tie.rows;
       lin = line.anchor == point.anchor
                 ? CollinearPoint<S>::linearize(line.geometry.line, point.geometry.bearing, point.geometry.inverse_range)

@@ -55,4 +55,7 @@ concept SensorRig = requires(const R& rig) {
   { rig.T_body_cam() } -> std::same_as<SE3<typename R::Scalar>>;
 };
 
+template <class R>
+concept InertialRig = SensorRig<R> && R::has_imu;
+
 }  // namespace plumbline

@@ -96,8 +96,8 @@ class PatchTemplate {
   }
 
  private:
-  static void subtract(float mean, Patch<Size>& samples) {
-    for (int k = 0; k < Size * Size; ++k) samples[k] -= mean;
+  static void subtract(float mean, Patch<Size>& from) {
+    for (int k = 0; k < Size * Size; ++k) from[k] -= mean;
   }
 
   static constexpr float samples = Size * Size;
