@@ -3,6 +3,7 @@
 #include "plumbline/motion/inertial.hpp"
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <type_traits>
 
@@ -287,8 +288,26 @@ TEMPLATE_TEST_CASE("inertial: images that the readings exclude", "", float, doub
     CHECK_FALSE(drive.motion->contradicts(predicted, plus(T, d)));
     d[k] *= S(-1.3);
     CHECK(drive.motion->contradicts(predicted, plus(T, d)));
+    d[k] = S(0.9 * options.max_vote) * predicted.prior.sigma[k];
+    CHECK(drive.motion->admits(predicted, plus(T, d)));
+    d[k] *= S(-1.3);
+    CHECK_FALSE(drive.motion->admits(predicted, plus(T, d)));
   }
   CHECK(drive.motion->contradicts(predicted, SE3<S>(T.rotation(), Vec<S, 3>::Constant(S(NAN)))));
+
+  // A place is foretold as well as the velocity is known, until the images are of no use.
+  drive.motion->know_velocity(0.01);
+  const auto surer = drive.predict();
+  drive.motion->know_velocity(std::numeric_limits<double>::infinity());
+  const auto unknown = drive.predict();
+  drive.motion->know_velocity(0.01);
+  drive.motion->lose();
+  const auto lost = drive.predict();
+  for (int k = 3; k < 6; ++k) {
+    CHECK(surer.prior.sigma[k] < S(0.5) * predicted.prior.sigma[k]);
+    CHECK(unknown.prior.sigma[k] == predicted.prior.sigma[k]);
+    CHECK(lost.prior.sigma[k] == predicted.prior.sigma[k]);
+  }
 }
 
 TEMPLATE_TEST_CASE("inertial: a standstill is what image and readings agree on", "", float, double) {

@@ -117,7 +117,7 @@ class Estimator {
     SE3<S> T = predicted.state.T_world_body;
     core_.front_ends.align(view, core_.window(), core_.landmarks, predicted.prior, T);
     timing_.align = stage.lap();
-    core_.follow(view, T);
+    core_.follow(view, predicted, T);
     timing_.follow = stage.lap();
     Covariance covariance;
     const HealthReason lacks = core_.find_pose(view, predicted, T, covariance);

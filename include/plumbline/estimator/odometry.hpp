@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "plumbline/backend/backend.hpp"
 #include "plumbline/backend/keyframe_rule.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
@@ -91,9 +92,10 @@ class Odometry {
   }
 
   /// Follows all features from the last image and moves T to the pose that most of them agree on.
-  void follow(const View<Sensors>& view, SE3<S>& T) {
+  void follow(const View<Sensors>& view, const Predicted& predicted, SE3<S>& T) {
     front_ends.follow(view, window(), landmarks, T);
-    front_ends.agree(view, window(), landmarks, options.ransac, T);
+    front_ends.agree(view, window(), landmarks, options.ransac, T,
+                     [&](const SE3<S>& found) { return motion.admits(predicted, found); });
   }
 
   /// The pose alone, again without its outliers, then with every landmark looked for where it sees them; what it lacks.
@@ -175,6 +177,7 @@ class Odometry {
     Covariance covariance;
     if (!backend.covariance_of_newest(covariance)) set_identity(covariance);
     publish(covariance);
+    if constexpr (TellsVelocity<Backend>) motion.know_velocity(velocity_sigma(backend));
   }
   void stay_in_window(const View<Sensors>& view) {
     adopt_keyframe(view, temporary_);

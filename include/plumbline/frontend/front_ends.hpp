@@ -102,9 +102,10 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
   }
 
   /// Finds the pose that most located landmarks agree on, beginning with `T_world_body`, and takes the others out of
-  /// the frame. Leaves the pose alone when none is found.
+  /// the frame. Of a majority that moves otherwise than can be, no pose is taken where others agree on one that can:
+  /// admits(T_world_body) tells. Leaves the pose alone when none is found.
   void agree(const View<Sensors>& view, const auto& window, Landmarks& landmarks, const PoseRansacOptions& options,
-             SE3<S>& T_world_body) {
+             SE3<S>& T_world_body, auto&& admits) {
     if constexpr (votes > 0) {
       votes_.clear();
       voters_.clear();
@@ -115,7 +116,10 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
         };
         front_end.for_each_correspondence(view, window, landmarks.template get<I>(), take);
       });
-      const auto found = ransac_pose(votes_, (T_world_body * view.T_body_cam).inverse(), options);
+      const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
+      const auto body_admits = [&](const SE3<S>& T) { return admits((view.T_body_cam * T).inverse()); };
+      auto found = ransac_pose(votes_, T_cam_world, options, body_admits);
+      if (!found.valid) found = ransac_pose(votes_, T_cam_world, options);
       if (!found.valid) return;
       T_world_body = (view.T_body_cam * found.T_cam_world).inverse();
       for_each_voting_kind([&]<std::size_t I>(const auto&) {
@@ -124,6 +128,11 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
         }
       });
     }
+  }
+
+  void agree(const View<Sensors>& view, const auto& window, Landmarks& landmarks, const PoseRansacOptions& options,
+             SE3<S>& T_world_body) {
+    agree(view, window, landmarks, options, T_world_body, [](const SE3<S>&) { return true; });
   }
 
   /// Looks again for all landmarks where the pose sees them.

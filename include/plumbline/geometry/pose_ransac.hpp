@@ -137,9 +137,11 @@ SE3<S> refine(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondence
 
 }  // namespace pose_ransac_detail
 
+/// Of the poses for which admits(T_cam_world) holds.
 template <class S, std::size_t Capacity>
 PoseRansacResult<S, Capacity> ransac_pose(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondences,
-                                          const SE3<S>& T_cam_world_prior, const PoseRansacOptions& options = {}) {
+                                          const SE3<S>& T_cam_world_prior, const PoseRansacOptions& options,
+                                          auto&& admits) {
   using pose_ransac_detail::cost;
   using Outcome = PoseRansacResult<S, Capacity>;
   const std::size_t n = correspondences.size();
@@ -148,7 +150,7 @@ PoseRansacResult<S, Capacity> ransac_pose(const FixedVector<PoseCorrespondence<S
   Outcome best;
 
   const auto adopt_if_better = [&](const SE3<S>& T) {
-    if (!(cost(correspondences, T, chi2, best_cost) < best_cost)) return false;
+    if (!(cost(correspondences, T, chi2, best_cost) < best_cost) || !admits(T)) return false;
     best = Outcome{};
     best.T_cam_world = T;
     best_cost = cost(correspondences, T, chi2, infinity, &best);
@@ -178,6 +180,12 @@ PoseRansacResult<S, Capacity> ransac_pose(const FixedVector<PoseCorrespondence<S
   }
   best.valid = best.inliers >= options.min_inliers;
   return best;
+}
+
+template <class S, std::size_t Capacity>
+PoseRansacResult<S, Capacity> ransac_pose(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondences,
+                                          const SE3<S>& T_cam_world_prior, const PoseRansacOptions& options = {}) {
+  return ransac_pose(correspondences, T_cam_world_prior, options, [](const SE3<S>&) { return true; });
 }
 
 }  // namespace plumbline

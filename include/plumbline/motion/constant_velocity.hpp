@@ -62,6 +62,7 @@ class ConstantVelocity {
   const Vec<S, 3>& angular_rate() const { return angular_rate_; }
 
   static constexpr bool contradicts(const Prediction<State, S>& /*predicted*/, const SE3<S>& /*T*/) { return false; }
+  static constexpr bool admits(const Prediction<State, S>& /*predicted*/, const SE3<S>& /*T*/) { return true; }
   State update(const State& /*predicted*/, const SE3<S>& T, const Mat<S, 6, 6>& /*covariance*/,
                const View<Sensors>& view) {
     velocity_ = minus(T, view.T_world_previous) / view.dt;

@@ -27,8 +27,10 @@ struct InertialOptions : InertialLinkOptions {
   double gyro_inflation = 2;  ///< of the calibrated densities: vibration, scale and alignment errors
   double accel_inflation = 5;
   double walk_inflation = 2;
-  double velocity_sigma = 0.1;    ///< of the velocity that predicts a frame [m/s]
+  double velocity_sigma = 0.1;    ///< of the velocity that predicts a frame, where the window does not tell [m/s]
+  double velocity_doubt = 3;      ///< the window's own is so much too small
   double rotation_sigma = 5e-3;   ///< of the rotation since the last frame, beside the gyroscope's noise [rad]
+  double max_vote = 2;            ///< no pose farther from the prediction is taken where a nearer one has votes [sigma]
   double max_innovation = 8;      ///< of a frame's pose by its images against the readings [sigma]
   double max_rate_error = 0.025;  ///< of the gyroscope against the images: more is another bias [rad/s]
   double rate_error_s = 0.3;      ///< mean over so long
@@ -62,7 +64,8 @@ class Inertial {
         gravity_(gravity_in_world<S>(S(options.gravity))),
         imu_(rig.imu, inflated(rig.imu.noise, options)),
         since_keyframe_(imu_.since(State{})),
-        camera_imu_(options.camera_imu) {}
+        camera_imu_(options.camera_imu),
+        velocity_sigma_(options.velocity_sigma) {}
 
   const Options& options() const { return options_; }
   ImuIntake<S>& imu() { return imu_; }
@@ -120,19 +123,18 @@ class Inertial {
     for (int k = 0; k < 3; ++k) {
       const auto sigma = [&](int i) { return std::sqrt(double(increment.covariance(i, i))); };
       out.prior.sigma[k] = S(std::hypot(options_.rotation_sigma, sigma(k)));
-      out.prior.sigma[3 + k] = S(std::hypot(options_.velocity_sigma * double(blind_s), sigma(3 + k)));
+      out.prior.sigma[3 + k] = S(std::hypot(velocity_sigma_ * double(blind_s), sigma(3 + k)));
     }
     return out;
   }
 
   /// Whether images say of the frame what its readings exclude: a frozen picture, a scene that moves as a whole.
   bool contradicts(const Prediction<State, S>& predicted, const SE3<S>& T) const {
-    if (!predicted.prior.valid || imu_.blind()) return false;
-    const Vec<S, 6> d = minus(T, predicted.state.T_world_body);
-    for (int k = 0; k < 6; ++k) {
-      if (!(std::abs(d[k]) <= S(options_.max_innovation) * predicted.prior.sigma[k])) return true;
-    }
-    return false;
+    return !imu_.blind() && !predicted.prior.admits(minus(T, predicted.state.T_world_body), S(options_.max_innovation));
+  }
+  /// Whether a pose is near enough to what the readings foretell to be preferred to what more landmarks agree on.
+  bool admits(const Prediction<State, S>& predicted, const SE3<S>& T) const {
+    return predicted.prior.admits(minus(T, predicted.state.T_world_body), S(options_.max_vote));
   }
 
   State update(const State& predicted, const SE3<S>& T, const Mat<S, 6, 6>& covariance, const View<Sensors>& view) {
@@ -149,7 +151,11 @@ class Inertial {
     solved.v_world_body = (solved.T_world_body.p() - before.T_world_body.p()) / dt;
     return true;
   }
-  void lose() {}
+  /// How well the window knows the latest velocity [m/s].
+  void know_velocity(double sigma) {
+    velocity_sigma_ = std::min(options_.velocity_sigma, options_.velocity_doubt * sigma);
+  }
+  void lose() { velocity_sigma_ = options_.velocity_sigma; }
   bool carries_on() const { return is_metric_; }
   /// Of a pose after the readings of one frame without images.
   Mat<S, 6, 6> covariance_grown(const Mat<S, 6, 6>& before) const {
@@ -273,6 +279,7 @@ class Inertial {
   Vec<S, 3> angular_rate_ = zeros<S, 3>();
   Vec<S, 3> rate_error_ = zeros<S, 3>();  ///< see look_for_jump [rad/s]
   S rate_variance_ = S(0);
+  double velocity_sigma_;  ///< of the latest state [m/s]
   double since_jump_s_ = std::numeric_limits<double>::infinity();
   StandstillReport rest_;
   bool is_metric_ = false, blind_since_keyframe_ = false, jumped_since_keyframe_ = false, at_rest_ = false;

@@ -7,6 +7,7 @@
 ///   begin_frame       takes in what was measured up to a frame; the latest state is null before the first one
 ///   predict           the frame's state, before its features are used. `align_motion(guess)` is what the images say of
 ///                     the camera's motion since the previous one; `blind_s`: since when images are of no use
+///   admits            whether a pose is as near to the prediction as it should be
 ///   contradicts       whether the sensors of the motion exclude the pose that the frame's features say
 ///   update            the frame's features say that it is at T, that well: the state with which it enters the window
 ///   revise            after the window was solved: whether the frame's state is corrected by what the images alone say
