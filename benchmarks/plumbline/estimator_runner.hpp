@@ -37,7 +37,11 @@ Sensors make_sensors(const plumbline::io::Calibration& calibration) {
   sensors.vision.width = camera.width;
   sensors.vision.height = camera.height;
   if constexpr (Sensors::has_depth) sensors.vision.depth.units_per_metre = static_cast<S>(calibration.depth_scale);
-  if (camera.readout_s) sensors.vision.readout.set({static_cast<S>(*camera.readout_s), S(0)});
+  if (camera.readout_s) {
+    sensors.vision.readout.set({static_cast<S>(*camera.readout_s), S(0)});
+  } else if constexpr (Sensors::has_imu && !Sensors::has_depth) {
+    sensors.vision.readout.set({S(0), S(0.02), true});  // the gyroscope shows it, should the shutter roll
+  }
   if constexpr (Sensors::has_imu) {
     sensors.imu.T_body_cam = calibration.T_body_camera.value();
     sensors.imu.limits = calibration.imu_limits;

@@ -126,6 +126,14 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
   command->add_option("--late", options.late_s, "The stamps of the images come after the images by so much [s]")
       ->check(number_from(-0.2, 0.2, "s"))
       ->capture_default_str();
+  command
+      ->add_option("--readout", options.readout_s,
+                   "The shutter rolls: from the first row of an image to the last one [s]; the middle one at the stamp")
+      ->check(number_from(0, 0.05, "s"))
+      ->capture_default_str();
+  command->add_option("--drop", options.drop, "Part of the images that is missing, in gaps of up to 0.4 s")
+      ->check(number_from(0, 0.7, ""))
+      ->capture_default_str();
   command->add_option("--size", options.size, "Width and height of the images [px]")
       ->check(whole_number_from(160, 4096))
       ->expected(2);

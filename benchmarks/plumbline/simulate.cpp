@@ -12,6 +12,7 @@
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/camera/radtan.hpp"
 #include "plumbline/io/output_file.hpp"
+#include "plumbline/testing/frame_drops.hpp"
 #include "plumbline/testing/rig.hpp"
 #include "plumbline/testing/scenes.hpp"
 #include "plumbline/testing/simulated_camera.hpp"
@@ -27,6 +28,7 @@ namespace {
 constexpr TimeNs t_start_ns = 1'600'000'000'000'000'000;
 constexpr int camera_rate_hz = 20, imu_rate_hz = 200;  // frames are taken at the times of IMU readings
 constexpr int imu_per_frame = imu_rate_hz / camera_rate_hz;
+constexpr int longest_drop = 7;  // [frames], which leaves 0.4 s between two images
 
 struct ImuSet {
   const char* name;
@@ -60,7 +62,7 @@ const Imager<Pinhole<double>> rgbd_imager{{536.2, 535.8, 321.4, 245.7}, 640, 480
 const Imager<Pinhole<double, RadTan>> mono_imager{
     {458.6, 457.4, 367.1, 248.2, {-0.2834, 0.07396, 1.94e-4, 1.76e-5}}, 752, 480};
 
-TimeNs frame_time_ns(int frame) { return t_start_ns + frame * (1'000'000'000 / camera_rate_hz); }
+TimeNs frame_time_ns(int frame) { return t_start_ns + TimeNs(frame) * (1'000'000'000 / camera_rate_hz); }
 std::string seconds(TimeNs t_ns) {
   return format("%lld.%09lld", static_cast<long long>(t_ns / 1'000'000'000),
                 static_cast<long long>(t_ns % 1'000'000'000));
@@ -150,24 +152,35 @@ struct Recording {
   Trajectory trajectory;
   ImuQuality imu;
   int frames;
+  std::vector<bool> kept = frames_kept(frames, options.drop, longest_drop, options.seed);
 
   bool has_imu() const { return options.imu != "none"; }
   /// Of an image; truth and readings have their own.
   TimeNs stamp_ns(int frame) const { return frame_time_ns(frame) + std::llround(1e9 * options.late_s); }
   InertialText inertial() const { return simulate_imu(trajectory, imu, options.seed, frames * imu_per_frame + 1); }
 
+  /// Calls `use(frame)` for every frame that is there.
+  template <class Use>
+  void for_each_frame(Use&& use) const {
+    for (int i = 0; i < frames; ++i) {
+      if (kept[static_cast<std::size_t>(i)]) use(i);
+    }
+  }
+
   /// Renders every frame and hands it to `write(time stamp, frame)`.
   template <class Model, class Write>
   void film(const Imager<Model>& imager, Write&& write) const {
-    SimulatedCamera sensor(Renderer(scene, imager.camera, imager.width, imager.height), simulated_T_body_camera(), {},
-                           options.seed);
+    CameraEffects effects;
+    effects.readout_s = options.readout_s;
+    SimulatedCamera sensor(Renderer(scene, imager.camera, imager.width, imager.height), simulated_T_body_camera(),
+                           effects, options.seed);
     Progress progress("simulate " + options.scene, static_cast<std::size_t>(frames));
-    for (int i = 0; i < frames; ++i) {
+    for_each_frame([&](int i) {
       SimulatedCamera::Frame frame =
           sensor.frame(trajectory, i / static_cast<double>(camera_rate_hz), static_cast<std::uint64_t>(i));
       write(stamp_ns(i), frame);
       progress.show(static_cast<std::size_t>(i + 1));
-    }
+    });
   }
 };
 
@@ -200,7 +213,7 @@ void write_tum(const Recording& recording) {
 
   std::string truth = "# true poses of the camera\n# timestamp tx ty tz qx qy qz qw\n", gray = "# timestamp filename\n";
   std::string depth = gray;
-  for (int i = 0; i < recording.frames; ++i) {
+  recording.for_each_frame([&](int i) {
     const TimeNs stamp_ns = recording.stamp_ns(i);
     const SE3<double> T =
         recording.trajectory.at(i / static_cast<double>(camera_rate_hz)).T_world_body * simulated_T_body_camera();
@@ -209,7 +222,7 @@ void write_tum(const Recording& recording) {
                                                 T.p().z(), q.x(), q.y(), q.z(), q.w());
     gray += seconds(stamp_ns) + " rgb/" + image_name(stamp_ns) + "\n";
     depth += seconds(stamp_ns) + " depth/" + image_name(stamp_ns) + "\n";
-  }
+  });
   write_text(out / "groundtruth.txt", truth);
   write_text(out / "depth.txt", depth);
   write_text(out / "rgb.txt", gray);  // last: what makes the folder a recording
@@ -247,9 +260,8 @@ void write_euroc(const Recording& recording) {
                         camera_rate_hz, imager.width, imager.height, camera.fx, camera.fy, camera.cx, camera.cy,
                         lens.k1(), lens.k2(), lens.p1(), lens.p2()));
   std::string index = "#timestamp [ns],filename\n";
-  for (int i = 0; i < recording.frames; ++i) {
-    index += std::to_string(recording.stamp_ns(i)) + "," + image_name(recording.stamp_ns(i)) + "\n";
-  }
+  recording.for_each_frame(
+      [&](int i) { index += std::to_string(recording.stamp_ns(i)) + "," + image_name(recording.stamp_ns(i)) + "\n"; });
   write_text(mav / "cam0" / "data.csv", index);  // last: what makes the folder a recording
 }
 

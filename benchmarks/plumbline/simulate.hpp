@@ -13,6 +13,8 @@ struct SimulateOptions {
   double duration_s = 20;       ///< [s]; 20 frames each second
   std::vector<double> stop_s;   ///< begin and end of a stop on the way [s]; empty: none
   double late_s = 0;            ///< stamps of the images come after the images [s]
+  double readout_s = 0;         ///< the shutter rolls: between the first and the last row of an image [s]
+  double drop = 0;              ///< part of the images that is missing
   std::vector<int> size;        ///< width and height of the images [px]; empty: those of the layout
   std::string imu = "default";  ///< one of imu_names(): the quality of the sensor
   std::string layout = "tum";   ///< one of layout_names(): tum (RGB-D) or euroc (one distorted gray camera)

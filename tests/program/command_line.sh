@@ -35,6 +35,8 @@ expect_error '--max-difference: "-1" is not a number from 0' evaluate --referenc
 for option in --config --calibration --debug; do
   expect_error "$option: must not be empty" "${run[@]}" "$option" ''
 done
+expect_error '--drop: "0.9" is not a number from 0 to 0.7' simulate --out nowhere --drop 0.9
+expect_error '--readout: "1" is not a number from 0 to 0.05 s' simulate --out nowhere --readout 1
 expect_error '--stop 5 3: ends before it begins' simulate --out nowhere --stop 5 3
 expect_error 'no such directory' run --config "$config" --dataset $'a\e[31mb\nc' --trajectory out.tum
 ! grep -q $'\e' err.txt || fail "a control character reached the terminal"

@@ -53,3 +53,25 @@ TEMPLATE_TEST_CASE("readout_filter: stays where nothing turns, and within its li
   filter.update(nothing, S(0.033));
   REQUIRE(filter.readout().value_s == S(0.05));
 }
+
+TEMPLATE_TEST_CASE("readout_filter: a value that is held gives way to what is beyond doubt, not to noise", "", float,
+                   double) {
+  using S = TestType;
+  for (const double truth : {0.0, 0.003, 0.02}) {
+    testing::Gaussian random(3);
+    ReadoutFilter<S> filter({S(0), S(0.02), true}, {});
+    int held = 0;
+    for (int i = 0; i < 200; ++i) {
+      filter.update(frame<S>(random, filter.readout().value_s - S(truth), S(500), S(0.7)), S(0.033));
+      held += filter.readout().is_held;
+    }
+    CAPTURE(truth, held, filter.readout().value_s);
+    if (truth < 0.01) {
+      REQUIRE(held == 200);
+      REQUIRE(filter.readout().value_s == S(0));
+    } else {
+      REQUIRE(held < 20);
+      REQUIRE(std::abs(filter.readout().value_s - S(truth)) < S(1e-3));
+    }
+  }
+}

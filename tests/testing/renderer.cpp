@@ -90,6 +90,58 @@ TEST_CASE("renderer: an edge is anti-aliased and lies where it projects to") {
   }
 }
 
+TEST_CASE("renderer: under a rolling shutter every row is what its own pose sees") {
+  const Scene scene = *make_scene("corridor", 2);
+  const Pinhole<double> camera{135, 134, 79.5, 60.2};
+  Renderer renderer(scene, camera, width, height, coarse);
+  const Trajectory trajectory = *Trajectory::for_scene("walk", 2);
+  constexpr double row_s = 0.03 / height;
+  const auto T_world_cam = [&](double row) {
+    return trajectory.at(6 + (row - 0.5 * (height - 1)) * row_s).T_world_body * simulated_T_body_camera();
+  };
+  Image<float> gray(width, height), depth(width, height);
+  renderer.render_rolling(T_world_cam, gray.view(), depth.view());
+  int wrong = 0;
+  for (int y = 0; y < height; ++y) {
+    const SE3<double> T = T_world_cam(y);
+    for (int x = 0; x < width; ++x) {
+      const Vec<double, 3> ray = camera.unproject({double(x), double(y)}).bearing;
+      const double z = renderer.scene().intersect(T.p(), T.rotation() * ray) * ray.z();
+      if (!(std::abs(z - double(depth.view()(x, y))) < 1e-3 * z))
+        ++wrong;  // two rows share a pose: half a row is 0.1 mm
+    }
+  }
+  REQUIRE(wrong < 0.01 * width * height);
+  Image<float> still(width, height), still_depth(width, height);
+  renderer.render(T_world_cam(0.5 * (height - 1)), still.view(), still_depth.view());
+  REQUIRE(still.pixels() != gray.pixels());
+  renderer.render_rolling([&](double) { return T_world_cam(0.5 * (height - 1)); }, gray.view(), depth.view());
+  REQUIRE(still.pixels() == gray.pixels());  // nothing moves: the same to the bit
+  REQUIRE(still_depth.pixels() == depth.pixels());
+}
+
+TEST_CASE("renderer: a turning camera with a rolling shutter sees an upright edge aslant, where it projects to") {
+  const Pinhole<double> camera{400, 400, 80, 60};
+  Scene scene;
+  scene.add_rectangle({}, {-2.03, 0, 2}, -Vec<double, 3>::UnitZ(), 4, 40, {Pattern::plain, 0.5f, 0, 1});
+  Renderer renderer(scene, camera, width, height, 40);
+  Image<float> gray(width, height), depth(width, height);
+  const auto R_world_cam = [](double row) { return SO3<double>::exp({0, 2e-4 * (row - 59.5), 0}); };  // 3 rad/s, 8 ms
+  renderer.render_rolling(
+      [&](double row) {
+        return SE3<double>(R_world_cam(row), {0, 0, 0});
+      },
+      gray.view(), depth.view());
+  for (int y = 5; y < height; y += 7) {
+    const double ray_y = (y - 60) / 400.0 * 2;
+    const Vec<double, 3> p = R_world_cam(y).inverse() * Vec<double, 3>(-0.03, ray_y, 2);
+    const double edge_px = 80 + 400 * p.x() / p.z();
+    double covered = 0;
+    for (int x = 30; x < 110; ++x) covered += double(gray.view()(x, y) / gray.view()(30, y));
+    REQUIRE(29.5 + covered == Approx(edge_px).margin(0.08));
+  }
+}
+
 TEST_CASE("renderer: a surface point keeps its intensity from view to view") {
   const Scene scene = *make_scene("room", 1);
   const Pinhole<double> camera{270, 270, 160, 120};

@@ -112,3 +112,24 @@ TEST_CASE("simulated_camera: exposure changes and motion blur do what they say")
   REQUIRE(sharpness(smeared) < 0.9 * sharpness(plain));
   REQUIRE(smeared.depth.pixels() == plain.depth.pixels());
 }
+
+TEST_CASE("simulated_camera: a rolling shutter exposes the middle row at the stamp, the others before and after") {
+  CameraEffects clean, rolling;
+  clean.noise_sigma = rolling.noise_sigma = clean.edge_dropout = rolling.edge_dropout = 0;
+  clean.depth_sigma = rolling.depth_sigma = 0;
+  rolling.readout_s = 0.04;
+  const double t = 7.5, half = 0.02;
+  const SimulatedCamera::Frame rolled = make_camera(rolling, 1).frame(room_path, t, 0);
+  const auto differing = [&](double at, int row) {  // pixels of that row that a global shutter would have otherwise
+    const SimulatedCamera::Frame global = make_camera(clean, 1).frame(room_path, at, 0);
+    int n = 0;
+    for (int x = 0; x < width; ++x)
+      n += std::abs(rolled.depth.view()(x, row) - global.depth.view()(x, row)) > 2;  // [mm]
+    return n;
+  };
+  for (const auto& [row, at] : {std::pair{0, t - half}, {height / 2, t}, {height - 1, t + half}}) {
+    CAPTURE(row);
+    REQUIRE(differing(at, row) < width / 20);
+  }
+  REQUIRE(differing(t + half, 0) > width / 5);
+}

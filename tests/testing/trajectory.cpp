@@ -91,6 +91,28 @@ TEST_CASE("trajectory: the corridor's path returns to its start") {
   REQUIRE((trajectory.at(19.5).T_world_body.p() - start).norm() < 0.3);
 }
 
+TEST_CASE("trajectory: a walk by hand swings and trembles at 1 to 3 Hz, at 0.4 to 1.2 m/s") {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const Trajectory trajectory = *Trajectory::for_scene("walk", seed);
+    double slowest = 10, fastest = 0, squared = 0;
+    int samples = 0, reversals = 0;
+    double before = 0;
+    for (double t = 3; t < 30; t += 0.01, ++samples) {
+      const MotionState state = trajectory.at(t);
+      const double speed = state.v_world_body.head<2>().norm(), rise = state.v_world_body.z();
+      slowest = std::min(slowest, speed), fastest = std::max(fastest, speed);
+      squared += state.a_world_body.squaredNorm();
+      reversals += rise * before < 0;
+      before = rise;
+    }
+    CAPTURE(seed, slowest, fastest, reversals);
+    REQUIRE((slowest > 0.35 && slowest < 0.6));
+    REQUIRE((fastest > 1.0 && fastest < 1.25));
+    REQUIRE((std::sqrt(squared / samples) > 0.8 && std::sqrt(squared / samples) < 1.6));  // [m/s^2]
+    REQUIRE((reversals / 27.0 > 2 && reversals / 27.0 < 6));                              // twice for each step
+  }
+}
+
 TEST_CASE("trajectory: a stop on the way") {
   Trajectory trajectory = *Trajectory::for_scene("room");
   const MotionState before = trajectory.at(4);

@@ -151,7 +151,7 @@ class Beginning {
       wait(odometry, HealthReason::aligning, InitStage::aligning);
       publish_rough(odometry);
       return start_.add(view.t_ns, odometry.window().latest().T_world_body * view.T_body_cam,
-                        odometry.motion.imu().since_frame(), odometry.rig_state.time_offset_s());
+                        odometry.motion.imu().since_frame(), odometry.rig_state);
     }
   }
   /// Vision and IMU agree, perhaps: then the map becomes metric.
@@ -218,7 +218,7 @@ class Beginning {
     if constexpr (!is_complete) {
       start_.clear();
       start_.add(view.t_ns, odometry.window().latest().T_world_body * view.T_body_cam,
-                 odometry.motion.imu().since(odometry.window().latest()), odometry.rig_state.time_offset_s());
+                 odometry.motion.imu().since(odometry.window().latest()), odometry.rig_state);
     }
   }
 

@@ -149,19 +149,21 @@ class Odometry {
 
   /// A frame that is tied to the last keyframe has a place in the window, and is taken out again, without a trace, when
   /// the next one comes, unless it is a keyframe. True when it is to be one.
-  bool enter_window(const View<Sensors>& view, const State& x) {
+  bool enter_window(const View<Sensors>& view, State x) {
     const bool rested = motion.at_rest(), keyframe = needs_keyframe(view.t_ns);
-    rested && !motion.at_rest() ? keep_temporary(view) : drop_temporary();
+    stands_ = rested && motion.at_rest();
+    rested && !stands_ ? keep_temporary(view) : drop_temporary();
+    if (stands_) x.T_world_body = window().latest().T_world_body;
     temporary_ = backend.insert(view.t_ns, x, motion.link(keyframe_));
     return keyframe;
   }
-  /// It is solved for as a keyframe, or as one that is none; `before` is the state of the frame before it.
+  /// Solved for as a keyframe, or as none; `before` is the state one frame ago. Noise does not move a body that stands.
   void solve_in_window(const View<Sensors>& view, const State& before, bool keyframe) {
-    if (keyframe) {
+    if (keyframe)
       front_ends.detect(view, window(), landmarks, temporary_);
-    } else {
+    else
       landmarks.for_each([&](auto& store) { store.record(temporary_); });
-    }
+    if (stands_) return window().set_latest(temporary_);
     backend.optimize(rig, view.T_body_cam, landmarks, keyframe);
     window().set_latest(temporary_);
     if (State solved = window().latest(); motion.revise(before, solved, view.dt)) window().set_latest(solved);
@@ -172,8 +174,8 @@ class Odometry {
   }
   void publish_in_window(const View<Sensors>& view) {
     images.keep(view, window().latest().T_world_body);
-    good_ns_ = view.t_ns;
-    publish(view.t_ns);
+    publish(good_ns_ = view.t_ns);
+    if (stands_) return;
     Covariance covariance;
     if (!backend.covariance_of_newest(covariance)) set_identity(covariance);
     publish(covariance);
@@ -252,7 +254,6 @@ class Odometry {
 
   // ------------------------------------------------------------------------------------------------------ publish
 
-  /// The latest state as the estimate of the frame.
   void publish(TimeNs t_ns) {
     const State x = window().latest();
     estimate.t_ns = t_ns;
@@ -279,7 +280,6 @@ class Odometry {
 
  private:
   static constexpr int none = -1;
-
   /// Takes what the frame says about the readout time; its features move along.
   void find_readout(const View<Sensors>& view, const SE3<S>& T) {
     if constexpr (Sensors::rolls) {
@@ -295,6 +295,7 @@ class Odometry {
   KeyframeRule rule_;
   int keyframe_ = 0, temporary_ = none;  ///< slots of the last keyframe, and of the latest frame when it is none
   int tracked_at_keyframe_ = 0;
+  bool stands_ = false;  ///< the body, for more than one frame
   Covariance keyframe_covariance_ = zeros<Covariance>();
   TimeNs good_ns_ = 0;  ///< of the last frame whose image was of use
 };

@@ -35,6 +35,7 @@ struct InertialOptions : InertialLinkOptions {
   double max_rate_error = 0.025;  ///< of the gyroscope against the images: more is another bias [rad/s]
   double rate_error_s = 0.3;      ///< mean over so long
   double rate_error_sigmas = 12;  ///< and so many sigma of that mean
+  double rate_s = 0.01;           ///< the body's angular rate while an image is exposed: mean of readings over so long
   double jump_settles_s = 3;      ///< readings are in doubt for so long
   double max_disagreement = 6;    ///< of readings and images, see InertialLinks; about 2 on a vibrating drone
   double rest_motion_px = 0.5;    ///< landmarks that moved less since the last keyframe do not contradict a standstill
@@ -89,8 +90,7 @@ class Inertial {
       camera_imu_.propagate(imu_.since_frame().increment());
       since_keyframe_.append(imu_.since_frame());
       blind_since_keyframe_ = blind_since_keyframe_ || imu_.blind();
-      const S duration = imu_.since_frame().increment().duration;
-      angular_rate_ = imu_.since_frame().increment().delta.dR.log() / (duration > S(0) ? duration : dt);
+      angular_rate_ = latest_rate(latest->bias_gyro, dt);
       at_rest_ = at_rest_ && seems_at_rest(t_ns);
     }
     imu_.begin_frame(t_ns);
@@ -208,7 +208,8 @@ class Inertial {
     if (imu_.missing()) return HealthReason::no_imu_data;
     if (imu_.coverage().saturated_s > 0) return HealthReason::imu_saturated;
     if (since_jump_s_ < options_.jump_settles_s) return HealthReason::imu_disagrees;
-    if (is_metric_ && links.disagreement(window) > options_.max_disagreement) return HealthReason::imu_disagrees;
+    if (is_metric_ && !at_rest_ && links.disagreement(window) > options_.max_disagreement)
+      return HealthReason::imu_disagrees;  // at rest frames are not solved for
     return HealthReason::none;
   }
 
@@ -226,6 +227,20 @@ class Inertial {
   const Vec<S, 3>& angular_rate() const { return angular_rate_; }
 
  private:
+  /// How the body turns now: the mean of the last readings, as a hand turns otherwise a frame ago [rad/s].
+  Vec<S, 3> latest_rate(const Vec<S, 3>& bias_gyro, S dt) const {
+    const auto& readings = imu_.since_frame();
+    Vec<S, 3> turned = zeros<S, 3>();
+    S duration = S(0);
+    for (std::size_t i = readings.intervals().size(); i > 0 && duration < S(options_.rate_s); --i) {
+      const ImuInterval<S>& interval = readings.intervals()[i - 1];
+      turned += interval.dt * interval.mean_gyro();
+      duration += interval.dt;
+    }
+    if (!(duration > S(0))) return readings.increment().delta.dR.log() / dt;
+    return turned / duration - bias_gyro;
+  }
+
   /// How images and readings turn tells how camera and IMU stand to each other.
   void compare_orientation(const SO3<S>& R, const Mat<S, 6, 6>& covariance, const Vec<S, 3>& bias_gyro) {
     if (imu_.since_frame().empty()) return;

@@ -47,7 +47,7 @@ SE3<S> turned_as_seen(const SE3<S>& T, const auto& view, auto&& align_motion) {
 template <class M>
 concept Predicts = requires(M& motion, const M& known, const typename M::State& x, typename M::S dt) {
   motion.begin_frame(TimeNs{}, &x, dt);
-  { known.angular_rate() } -> std::convertible_to<Vec<typename M::S, 3>>;  // of the body since the last frame [rad/s]
+  { known.angular_rate() } -> std::convertible_to<Vec<typename M::S, 3>>;  // of the body in this frame [rad/s]
   { known.carries_on() } -> std::convertible_to<bool>;
   { motion.restart(x) } -> std::same_as<typename M::State>;
   motion.lose();

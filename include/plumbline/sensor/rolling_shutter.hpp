@@ -15,8 +15,9 @@ namespace plumbline {
 /// Time between the first and the last row of an image, as far as it is known.
 template <class S>
 struct Readout {
-  S value_s = S(0);  ///< 0: all rows at once
-  S sigma_s = S(0);  ///< 0: known; else the estimator finds it out
+  S value_s = S(0);      ///< 0: all rows at once
+  S sigma_s = S(0);      ///< 0: known; else the estimator finds it out
+  bool is_held = false;  ///< until images contradict the value beyond doubt: most cameras of robots do not roll
 };
 
 /// A pixel as the middle of the frame would have seen it.

@@ -26,6 +26,7 @@ struct InertialStartOptions {
   double settling_s = 3;               ///< after the start of a camera without depth its scale is not certain
   double max_accel_bias_sigmas = 10;   ///< of accel_bias_sigma, when images and readings are first solved together
   double max_time_error_s = 2e-3;      ///< the camera's clock was wrong by more: poses are gathered anew
+  double max_readout_error_s = 4e-3;   ///< or the readout time of its shutter
   double max_time_sigma_s = 3e-3;      ///< of the camera's clock, when images and readings are first solved together
   double max_time_wait_s = 2;          ///< for that
   InertialAlignmentOptions alignment;
@@ -49,12 +50,16 @@ class InertialStart {
     window_.clear();
     has_estimate_ = false;
   }
-  /// One more of them, with the readings since the frame before and the camera's clock that they were cut by; when that
-  /// turns out to be another, the series begins with it. True when it is worth trying to align.
-  bool add(TimeNs t_ns, const SE3<S>& T_ref_cam, const Preintegration<S>& since_last, double time_offset_s) {
-    if (!(std::abs(time_offset_s - time_offset_s_) < options_.max_time_error_s)) {
+  /// One more of them, with the readings since the frame before and what the rig was found to be: its clock cuts the
+  /// readings, its readout moves the images. When that is another than before the series begins with it. True when it is
+  /// worth trying to align.
+  bool add(TimeNs t_ns, const SE3<S>& T_ref_cam, const Preintegration<S>& since_last, const auto& rig_state) {
+    const double time_offset_s = rig_state.time_offset_s(), readout_s = double(rig_state.readout().value_s);
+    if (!(std::abs(time_offset_s - time_offset_s_) < options_.max_time_error_s &&
+          std::abs(readout_s - readout_s_) < options_.max_readout_error_s)) {
       clear();
       time_offset_s_ = time_offset_s;
+      readout_s_ = readout_s;
     }
     return window_.add(t_ns, T_ref_cam, since_last, options_.frame_interval_s);
   }
@@ -134,6 +139,7 @@ class InertialStart {
   typename AlignmentWindow<S>::Outcome found_;
   bool has_estimate_ = false;
   double time_offset_s_ = 0;  ///< that the series is cut by
+  double readout_s_ = 0;      ///< by which its images were brought to their middle
   Vec<S, 3> gravity_ref_ = zeros<S, 3>();
 };
 

@@ -8,7 +8,9 @@
 /// Their extrema over the bearings of a tile reject most rectangles for the whole tile. One ray at the pixel's centre
 /// finds the surface; pixels with an edge in the 3x3 neighbourhood are resolved by 16 rays against the surfaces found
 /// there. No clipping and no division before shading, and no assumption on the camera but smooth bearings.
+/// Under a shutter that rolls every two rows have a pose of their own.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -57,20 +59,13 @@ class Renderer {
 
   /// Intensity in 0..255 and depth z [m] (0: nothing there). Both images have the size of the camera.
   void render(const SE3<double>& T_world_cam, const ImageView<float>& gray, const ImageView<float>& depth) {
-    PLUMBLINE_ASSERT(gray.width == width_ && gray.height == height_ && depth.width == width_ &&
-                     depth.height == height_);
-    prepare(T_world_cam);
-    for (int y = 0; y < rows_; y += tile) {
-      for (int x = 0; x < stride_; x += tile) cast_tile(x, y);
-    }
-    for (int y = 0; y < height_; ++y) {
-      float *gray_row = gray.row(y), *depth_row = depth.row(y);
-      for (int x = 0; x < width_; ++x) {
-        const int i = index(x, y), hit = surface_[std::size_t(i)];
-        depth_row[x] = hit < 0 ? 0 : bearings_.z[std::size_t(i)] / inverse_range_[std::size_t(i)];
-        gray_row[x] = on_edge(x, y) ? resolve_edge(x, y) : hit < 0 ? 0 : shade(hit, i, 0, 0);
-      }
-    }
+    render_bands(
+        rows_, [&](double) { return T_world_cam; }, gray, depth);
+  }
+  /// The same while the camera moves: `T_world_cam(v)` when the row v is exposed.
+  template <class PoseOfRow>
+  void render_rolling(PoseOfRow&& T_world_cam, const ImageView<float>& gray, const ImageView<float>& depth) {
+    render_bands(2, T_world_cam, gray, depth);
   }
 
   const Scene& scene() const { return scene_; }
@@ -101,6 +96,32 @@ class Renderer {
   Vec<float, 3> step_x(int i) const { return bearings_(i + 1) - bearings_(i); }
   Vec<float, 3> step_y(int i) const { return bearings_(i + stride_) - bearings_(i); }
 
+  template <class PoseOfRow>
+  void render_bands(int band, PoseOfRow&& T_world_cam, const ImageView<float>& gray, const ImageView<float>& depth) {
+    PLUMBLINE_ASSERT(gray.width == width_ && gray.height == height_ && depth.width == width_ &&
+                     depth.height == height_);
+    const auto prepare_band = [&](int top) { prepare(T_world_cam(top + 0.5 * (band - 1))); };
+    const int tile_rows = std::min(tile, band);
+    for (int top = 0; top < rows_; top += band) {
+      prepare_band(top);
+      for (int y = top; y < top + band; y += tile_rows) {
+        for (int x = 0; x < stride_; x += tile) cast_tile(x, y, tile_rows);
+      }
+    }
+    for (int top = 0; top < height_; top += band) {
+      if (band < rows_) prepare_band(top);
+      for (int y = top; y < std::min(top + band, height_); ++y) shade_row(y, gray.row(y), depth.row(y));
+    }
+  }
+
+  void shade_row(int y, float* gray, float* depth) const {
+    for (int x = 0; x < width_; ++x) {
+      const int i = index(x, y), hit = surface_[std::size_t(i)];
+      depth[x] = hit < 0 ? 0 : bearings_.z[std::size_t(i)] / inverse_range_[std::size_t(i)];
+      gray[x] = on_edge(x, y) ? resolve_edge(x, y) : hit < 0 ? 0 : shade(hit, i, 0, 0);
+    }
+  }
+
   /// The forms (1), (2) of the rectangles that face the camera.
   void prepare(const SE3<double>& T_world_cam) {
     const Mat<double, 3, 3> R_cam_world = T_world_cam.R().transpose();
@@ -125,9 +146,9 @@ class Renderer {
   }
 
   /// Nearest surface at the centre of each pixel of a tile.
-  void cast_tile(int x0, int y0) {
+  void cast_tile(int x0, int y0, int rows) {
     Vec<float, 3> lo = bearings_(index(x0, y0)), hi = lo;
-    for (int y = y0; y < y0 + tile; ++y) {
+    for (int y = y0; y < y0 + rows; ++y) {
       std::fill_n(surface_.begin() + index(x0, y), tile, -1);
       std::fill_n(inverse_range_.begin() + index(x0, y), tile, 0.0f);
       for (int x = x0; x < x0 + tile; ++x) {
@@ -158,13 +179,13 @@ class Renderer {
       visible_.push_back({w + w_radius, &p});
     }
     for (const auto& [nearest, p] : visible_) {
-      if (nearest >= covered) cast(*p, x0, y0);
+      if (nearest >= covered) cast(*p, x0, y0, rows);
     }
   }
 
-  void cast(const Projected& p, int x0, int y0) {
+  void cast(const Projected& p, int x0, int y0, int rows) {
     const Form f0 = p.side[0], f1 = p.side[1], f2 = p.side[2], f3 = p.side[3];
-    for (int y = y0; y < y0 + tile; ++y) {
+    for (int y = y0; y < y0 + rows; ++y) {
       const std::size_t begin = static_cast<std::size_t>(index(x0, y));
       const float *bx = &bearings_.x[begin], *by = &bearings_.y[begin], *bz = &bearings_.z[begin];
       float* nearest = &inverse_range_[begin];
@@ -208,7 +229,8 @@ class Renderer {
       for (int dx = x > 0 ? -1 : 0; dx <= 1; ++dx) {
         const std::int32_t id = surface_[std::size_t(index(x + dx, y + dy))];
         open = open || id < 0;
-        if (id >= 0 && std::find(ids.begin(), ids.begin() + count, id) == ids.begin() + count)
+        const bool faces = id >= 0 && slot_[std::size_t(id)] >= 0;  // another row's camera may see another side
+        if (faces && std::find(ids.begin(), ids.begin() + count, id) == ids.begin() + count)
           ids[std::size_t(count++)] = id;
       }
     }

@@ -13,7 +13,8 @@
 
 namespace plumbline::testing {
 
-inline constexpr std::array<std::string_view, 5> scene_names = {"room", "room_lowtex", "boards", "corridor", "hall"};
+inline constexpr std::array<std::string_view, 6> scene_names = {"room",     "room_lowtex", "boards",
+                                                                "corridor", "walk",        "hall"};
 
 namespace detail {
 
@@ -191,7 +192,7 @@ inline std::optional<Scene> make_scene(std::string_view name, std::uint64_t seed
   if (name == "room") return detail::make_room(surface_seed, true);
   if (name == "room_lowtex") return detail::make_room(surface_seed, false);
   if (name == "boards") return detail::make_boards(surface_seed);
-  if (name == "corridor") return detail::make_corridor(surface_seed);
+  if (name == "corridor" || name == "walk") return detail::make_corridor(surface_seed);
   if (name == "hall") return detail::make_hall(surface_seed);
   return std::nullopt;
 }

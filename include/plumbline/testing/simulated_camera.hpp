@@ -39,6 +39,7 @@ struct CameraEffects {
   double exposure_period_s = 6;             ///< [s]
   double exposure_time_s = 0;               ///< > 0: motion blur, centred on the time stamp
   int exposure_steps = 7;                   ///< rendered images averaged over the exposure
+  double readout_s = 0;                     ///< > 0: rows are exposed one after the other, the middle one at the stamp
   double depth_sigma = 1.5e-3;              ///< [1/m]; 1.4 cm at 3 m
   double depth_min = 0.4, depth_max = 6.0;  ///< [m]
   double edge_ratio = 0.04;                 ///< depth step over depth from which a pixel counts as an edge
@@ -63,16 +64,16 @@ class SimulatedCamera {
       Image<float> step(width, height);
       for (int k = 0; k < effects_.exposure_steps; ++k) {
         const double offset = ((k + 0.5) / effects_.exposure_steps - 0.5) * effects_.exposure_time_s;
-        renderer_.render(trajectory.at(t + offset).T_world_body * T_body_camera_, step.view(), z.view());
+        expose(trajectory, t + offset, step, z);
         for (int y = 0; y < height; ++y) {
           for (int x = 0; x < width; ++x) {
             light.view()(x, y) += step.view()(x, y) / static_cast<float>(effects_.exposure_steps);
           }
         }
       }
-      renderer_.render(trajectory.at(t).T_world_body * T_body_camera_, step.view(), z.view());
+      expose(trajectory, t, step, z);
     } else {
-      renderer_.render(trajectory.at(t).T_world_body * T_body_camera_, light.view(), z.view());
+      expose(trajectory, t, light, z);
     }
     const double wave = std::sin(2 * std::numbers::pi * t / effects_.exposure_period_s);
     Frame out{Image<std::uint8_t>(width, height), Image<std::uint16_t>(width, height)};
@@ -84,6 +85,13 @@ class SimulatedCamera {
   Renderer& renderer() { return renderer_; }
 
  private:
+  void expose(const Trajectory& trajectory, double t, Image<float>& light, Image<float>& z) {
+    const auto T_world_cam = [&](double at) { return trajectory.at(at).T_world_body * T_body_camera_; };
+    if (!(effects_.readout_s > 0)) return renderer_.render(T_world_cam(t), light.view(), z.view());
+    const double row_s = effects_.readout_s / renderer_.height(), top = t + 0.5 * (row_s - effects_.readout_s);
+    renderer_.render_rolling([&](double row) { return T_world_cam(top + row * row_s); }, light.view(), z.view());
+  }
+
   /// (1): separable three-tap blur of the same variance as the point spread function, gain, noise, rounding.
   void develop(Image<float>& light, double gain, std::uint64_t seed, Image<std::uint8_t>& out) const {
     const float side = static_cast<float>(effects_.blur_px * effects_.blur_px / 2), middle = 1 - 2 * side;

@@ -60,6 +60,7 @@ class Trajectory {
   static std::optional<Trajectory> for_scene(std::string_view scene, std::uint64_t seed = 1) {
     if (scene == "room" || scene == "room_lowtex" || scene == "boards") return Trajectory(Kind::room, seed);
     if (scene == "corridor") return Trajectory(Kind::corridor, seed);
+    if (scene == "walk") return Trajectory(Kind::walk, seed);
     if (scene == "hall") return Trajectory(Kind::hall, seed);
     return std::nullopt;
   }
@@ -98,7 +99,8 @@ class Trajectory {
       z = sway(2, 0.20, 0.5) + sway(3, 0.01, 5.0) + 1.6;
       yaw = turn + sway(4, 0.35, 0.45) + sway(5, 0.03, 2.1);
     } else {  // one lap of the corridor in 18 s: a rectangle with round corners, slower there
-      const Jet turn = (2 * std::numbers::pi / 18) * s;
+      const Jet u = kind_ == Kind::walk ? 0.92 * s + 0.5 * sin(0.5 * s + phase_[9]) : s;
+      const Jet turn = (2 * std::numbers::pi / 18) * u;
       const Jet angle = turn + (-0.06) * sin(4 * turn);
       x = 2.3 * (1.125 * cos(angle) + (-0.125) * cos(3 * angle)) + sway(0, 0.05, 1.1);
       y = 1.9 * (1.125 * sin(angle) + 0.125 * sin(3 * angle)) + sway(1, 0.05, 1.3);
@@ -107,11 +109,19 @@ class Trajectory {
     }
     pitch = sway(6, 0.12, 1.2) + sway(7, 0.02, 3.7) + 0.12;
     roll = sway(8, 0.07, 1.0) + sway(9, 0.015, 4.1);
+    if (kind_ == Kind::walk) {  // steps at 1.8 Hz, which the body swings with at half of that, and a hand that trembles
+      x = x + sway(4, 0.010, 5.7) + sway(5, 0.002, 15.0);
+      y = y + sway(6, 0.010, 5.7) + sway(7, 0.002, 17.0);
+      z = z + sway(8, 0.008, 11.4);
+      yaw = yaw + sway(0, 0.020, 5.7) + sway(1, 0.006, 16.0);
+      pitch = pitch + sway(2, 0.012, 11.4) + sway(3, 0.006, 18.0);
+      roll = roll + sway(7, 0.018, 5.7);
+    }
     return motion(x, y, z, yaw, pitch, roll);
   }
 
  private:
-  enum class Kind : std::uint8_t { room, corridor, hall, shaken };
+  enum class Kind : std::uint8_t { room, corridor, walk, hall, shaken };
 
   static MotionState motion(const Jet& x, const Jet& y, const Jet& z, const Jet& yaw, const Jet& pitch,
                             const Jet& roll) {
