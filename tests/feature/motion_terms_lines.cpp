@@ -81,6 +81,13 @@ void add_reference(const Scene<S>& scene, const typename Scene<S>::Landmark& ori
   }
 }
 
+/// The gate, by the errors at a pose.
+auto gate(auto& scene, const auto& body, auto chi2) {
+  DenseNormalEquations<decltype(chi2), 6> system;
+  scene.terms->accumulate(scene.rig, body, system);
+  return scene.terms->gate(*scene.store, chi2);
+}
+
 }  // namespace
 
 TEMPLATE_TEST_CASE("motion_terms (lines): information, gradient and cost are those of numeric derivatives", "", float,
@@ -126,7 +133,7 @@ TEST_CASE("motion_terms (lines): exact lines give the exact pose, and the gate l
     T = plus(T, d);
   }
   REQUIRE(minus(T, scene.T_world_body[3]).norm() < 1e-9);
-  REQUIRE(scene.terms->gate(scene.rig, *scene.store, scene.body(T), 13.8) == 12);
+  REQUIRE(gate(scene, scene.body(T), 13.8) == 12);
 }
 
 TEST_CASE("motion_terms (lines): the gate rejects what does not fit and scales the rest") {
@@ -139,7 +146,7 @@ TEST_CASE("motion_terms (lines): the gate rejects what does not fit and scales t
   broken.pixels.measured.bearing_start.setConstant(std::numeric_limits<double>::quiet_NaN());
   const Mat<double, 2, 2> L = scene.store->landmarks()[0].current.pixels.L;
   scene.collect();
-  REQUIRE(scene.terms->gate(scene.rig, *scene.store, scene.body(scene.T_world_body[3]), 13.8) == 10);
+  REQUIRE(gate(scene, scene.body(scene.T_world_body[3]), 13.8) == 10);
   REQUIRE_FALSE(scene.store->landmarks()[4].current.valid);
   REQUIRE_FALSE(scene.store->landmarks()[5].current.valid);
   REQUIRE(scene.store->landmarks()[0].current.valid);
@@ -156,5 +163,5 @@ TEST_CASE("motion_terms (lines): nothing seen is no information") {
   DenseNormalEquations<double, 6> system;
   scene.terms->accumulate(scene.rig, scene.body(scene.T), system);
   REQUIRE(system.H().isZero(0));
-  REQUIRE(scene.terms->gate(scene.rig, *scene.store, scene.body(scene.T), 13.8) == 0);
+  REQUIRE(gate(scene, scene.body(scene.T), 13.8) == 0);
 }

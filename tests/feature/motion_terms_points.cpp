@@ -50,7 +50,12 @@ struct Scene {
   BodyView<S> body(const SE3<double>& T_world_body) const {
     return {T_world_body.template cast<S>(), T_body_cam.template cast<S>()};
   }
-  int gate(const SE3<double>& T_world_body) { return terms->gate(rig, store, body(T_world_body), S(13.8)); }
+  /// By the errors at a pose.
+  int gate(const SE3<double>& T_world_body) {
+    DenseNormalEquations<S, 6> system;
+    terms->accumulate(rig, body(T_world_body), system);
+    return terms->gate(store, S(13.8));
+  }
 };
 
 /// Pixel and inverse depth of a landmark in the latest frame less what was measured, when pose, readout time and

@@ -54,7 +54,7 @@ struct DirectLife {
     frame.gray = direct_room().frames[std::size_t(i)].gray.view();
     if constexpr (Sensors::has_depth) frame.depth = direct_room().frames[std::size_t(i)].depth.view();
     images->see(frame);
-    return images->view(rig, frame, SE3<S>(), S(0), S(0.05));
+    return images->view(rig, frame, SE3<S>(), {}, S(0.05));
   }
   int keyframe(const View<Sensors>& seen, int i) {
     const int slot = window.insert(seen.t_ns, {T(i)});

@@ -66,7 +66,7 @@ TEMPLATE_TEST_CASE("image_pair: the new image beside the kept one, and where tha
     frame.gray = room().frames[i].gray.view();
     if constexpr (Sensors::has_depth) frame.depth = room().frames[i].depth.view();
     REQUIRE(images->see(frame));
-    return images->view(rig, frame, SE3<S>(), S(0), S(0.1));
+    return images->view(rig, frame, SE3<S>(), {}, S(0.1));
   };
   const auto shows = [&](const auto& pyramid, std::size_t i) {
     return pyramid.level(0)(100, 100) == room().frames[i].gray.view()(100, 100) &&
@@ -106,9 +106,9 @@ TEMPLATE_TEST_CASE("image_pair: the coarsest pixels tell how the camera turned",
   }
   typename Sensors::Frame first{0, image}, second{1, {moved.data(), width, height, width}};
   REQUIRE(images->see(first));
-  images->keep(images->view(rig, first, SE3<S>(), S(0), S(0.1)), SE3<S>());
+  images->keep(images->view(rig, first, SE3<S>(), {}, S(0.1)), SE3<S>());
   REQUIRE(images->see(second));
-  const View<Sensors> view = images->view(rig, second, SE3<S>(), S(0), S(0.1));
+  const View<Sensors> view = images->view(rig, second, SE3<S>(), {}, S(0.1));
   const RotationAlignment<S> found = images->align_motion(view, SE3<S>(), S(1));
   REQUIRE(found.valid);
   // What was straight ahead is now seen `shift` pixels to the right.
@@ -132,7 +132,7 @@ TEST_CASE("image_pair: a picture again, and almost") {
     frame.t_ns = t_ns;
     frame.gray = {pixels, width, height, width};
     REQUIRE(images->see(frame));
-    return images->view(rig, frame, SE3<double>(), 0, 0.1);
+    return images->view(rig, frame, SE3<double>(), {}, 0.1);
   };
   images->keep(see(gray.row(0), 0), {});
   (void)see(copy.data(), 1);

@@ -61,7 +61,7 @@ TEST_CASE("no heap: see, follow, agree, estimate, refine, locate, record, linear
       const Sensors::Frame frame{room.t_ns[std::size_t(i)], room.frames[std::size_t(i)].gray.view(),
                                  room.frames[std::size_t(i)].depth.view()};
       if (!images->see(frame)) return;
-      View<Sensors> view = images->view(rig, frame, SE3<float>(), 0.01f, 0.05f);
+      View<Sensors> view = images->view(rig, frame, SE3<float>(), {0.01f, 0.0f}, 0.05f);
       view.shutter.set_angular_rate(Vec<float, 3>(0.1f, 0.2f, -0.1f));
       SE3<float> T = T_true;
       if (i > 0) {

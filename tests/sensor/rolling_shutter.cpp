@@ -90,6 +90,11 @@ TEMPLATE_TEST_CASE("rolling_shutter: all rows at once is what a rolling shutter 
   REQUIRE(global.seen(uv) == uv);
   REQUIRE((rolling.still(uv).uv - uv).norm() < tolerance);
   REQUIRE((rolling.seen(uv) - uv).norm() < tolerance);
+  RollingShutter known(cam, height, S(0), /*is_known=*/true);
+  known.set_angular_rate(w);
+  REQUIRE(known.still(uv).uv == uv);
+  REQUIRE(known.still(uv).uv_slope.isZero(0));
+  REQUIRE(rolling.still(uv).uv_slope.norm() > S(0.1));
   REQUIRE(global.still(uv).uv_slope.isZero(0));
   REQUIRE(global.bearing_slope(uv, Vec<S, 3>::UnitZ()).isZero(0));
   REQUIRE(rolling.bearing_slope(uv, Vec<S, 3>::UnitZ()).norm() > S(0.1));  // it could have one

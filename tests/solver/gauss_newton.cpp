@@ -82,3 +82,19 @@ TEMPLATE_TEST_CASE("gauss_newton: equations of the first parameters alone", "", 
   REQUIRE((whole.H() - expected.H()).norm() < S(1e-5));
   REQUIRE((whole.b() - expected.b()).norm() < S(1e-5));
 }
+
+TEMPLATE_TEST_CASE("gauss_newton: linear rows at a state that has moved", "", float, double) {
+  using S = TestType;
+  Random random(4);
+  DenseNormalEquations<S, 4> moved, expected;
+  const Vec<S, 4> d = random_matrix<S, 4, 1>(random);
+  for (int k = 0; k < 10; ++k) {
+    const Mat<S, 2, 4> J = random_matrix<S, 2, 4>(random);
+    const Vec<S, 2> r = random_matrix<S, 2, 1>(random);
+    moved.add(J, r, S(0.5));
+    expected.add(J, Vec<S, 2>(r + J * d), S(0.5));
+  }
+  moved.move(d);
+  REQUIRE((moved.H() - expected.H()).norm() == 0);
+  REQUIRE((moved.b() - expected.b()).norm() < S(1e-5));
+}

@@ -4,6 +4,7 @@
 
 #include "catch.hpp"
 #include "plumbline/opencv/mat_view.hpp"
+#include "plumbline/tracking/edge_map.hpp"
 #include "tracking/drawn_edges.hpp"
 #include "tracking/warped_images.hpp"
 

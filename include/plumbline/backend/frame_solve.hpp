@@ -24,6 +24,7 @@ namespace plumbline {
 struct FrameSolveOptions {
   int max_iterations = 4;
   double step_tolerance = 1e-5;  ///< converged below this length of the pose's step [rad and m]
+  double linear_step = 2e-3;     ///< features are linear in a shorter one [rad and m]
   double sigma_rest = 1;         ///< of what no link ties (velocity [m/s], biases), about the prediction
 };
 
@@ -59,12 +60,16 @@ class FrameSolve {
     latest_ = slot;
     const typename Window::State before = window.state(slot), keyframe_before = window.state(keyframe_);
     System system;
+    DenseNormalEquations<S, pose_dim> features;
+    bool features_moved = true;
     known_ = false;
     for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
       system.reset();
-      DenseNormalEquations<S, pose_dim> features;
-      const BodyView<S> body(window.T_world_body(slot), T_body_cam);
-      landmarks.for_each_with(terms_, [&](const auto&, auto& terms) { terms.accumulate(rig, body, features); });
+      if (features_moved) {
+        features.reset();
+        const BodyView<S> body(window.T_world_body(slot), T_body_cam);
+        landmarks.for_each_with(terms_, [&](const auto&, auto& terms) { terms.accumulate(rig, body, features); });
+      }
       system.add(features);
       add_rest(window.state(slot).correction() - before.correction(), S(options.sigma_rest), system);
       add_keyframe(window.state(keyframe_).correction() - keyframe_before.correction(), system);
@@ -83,7 +88,11 @@ class FrameSolve {
         set_segment(d_keyframe, pose_dim, segment<rest_dim>(d, dim));
         window.state(keyframe_).add(d_keyframe);
       }
-      if (norm(segment<pose_dim>(d, 0)) < S(options.step_tolerance)) break;
+      const Vec<S, pose_dim> d_pose = segment<pose_dim>(d, 0);
+      const S length = norm(d_pose);
+      if (length < S(options.step_tolerance)) break;
+      features_moved = !(length < S(options.linear_step));
+      if (!features_moved) features.move(d_pose);
     }
     window.state(keyframe_) = keyframe_before;  // it is the window's
     Mat<S, System::dim, System::dim> covariance;

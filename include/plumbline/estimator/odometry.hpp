@@ -78,7 +78,7 @@ class Odometry {
     estimate.time_offset_s = motion.calibrate(rig_state, window());
     estimate.T_body_cam = rig_state.T_body_cam();
     motion.begin_frame(frame.t_ns, is_first ? nullptr : &latest, dt);
-    auto view = images.view(rig, frame, motion.T_body_cam(estimate.T_body_cam), rig_state.readout().value_s, dt);
+    auto view = images.view(rig, frame, motion.T_body_cam(estimate.T_body_cam), rig_state.readout(), dt);
     turn_shutter(view);
     return view;
   }

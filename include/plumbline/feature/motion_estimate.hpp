@@ -17,7 +17,7 @@ namespace plumbline {
 
 struct MotionOptions {
   int max_iterations = 10;
-  double step_tolerance = 1e-5;  ///< converged below this length of the step [rad and m]
+  double step_tolerance = 1e-4;  ///< converged when a step was shorter: the next is a tenth of it [rad and m]
   double chi2_gate = 13.8;       ///< 99.9 % of two degrees of freedom
   int min_inliers = 8;           ///< fewer are no estimate
 };
@@ -48,9 +48,8 @@ class MotionEstimate {
       if (norm(d) < S(options_.step_tolerance)) break;
     }
     int inliers = 0;
-    const BodyView<S> body(T, T_body_cam);
     landmarks.for_each_with(terms_, [&]<class Store>(Store& store, auto& terms) {
-      const int fitting = terms.gate(rig, store, body, S(options_.chi2_gate));
+      const int fitting = terms.gate(store, S(options_.chi2_gate));  // by the errors before a last, short step
       if (!HoldsOthers<typename Store::Kind>) inliers += fitting;
     });
     if (inliers < options_.min_inliers) return HealthReason::few_inliers;

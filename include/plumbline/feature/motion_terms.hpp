@@ -38,23 +38,22 @@ class MotionTerms {
 
   /// Adds the weighted rows at a pose; of as many parameters of the kind's layout as the system has.
   template <int Dim>
-  void accumulate(const Sensors& rig, const BodyView<S>& view, DenseNormalEquations<S, Dim>& system) const {
+  void accumulate(const Sensors& rig, const BodyView<S>& view, DenseNormalEquations<S, Dim>& system) {
+    errors_.clear();
     for (const Item& item : items_) {
-      add(Kind::pixel_rows(rig, view, item.landmark), Kind::pixel_loss, system);
+      const auto rows = Kind::pixel_rows(rig, view, item.landmark);
+      errors_.push_back(rows.valid ? squared_norm(rows.r) : std::numeric_limits<S>::infinity());
+      add(rows, Kind::pixel_loss, system);
       if constexpr (Kind::depth_dim > 0) {
         if (Kind::has_depth(item.landmark)) add(Kind::depth_rows(view, item.landmark), Kind::depth_loss, system);
       }
     }
   }
 
-  /// Takes observations beyond `chi2` (two degrees of freedom) out of the frame; returns how many stay. The frame's own
-  /// scale is the median of all errors: blur and rolling shutter make all of them larger, and then all weigh less.
-  int gate(const Sensors& rig, Store& store, const BodyView<S>& view, S chi2) {
-    errors_.clear();
-    for (const Item& item : items_) {
-      const auto rows = Kind::pixel_rows(rig, view, item.landmark);
-      errors_.push_back(rows.valid ? squared_norm(rows.r) : std::numeric_limits<S>::infinity());
-    }
+  /// Takes observations that were beyond `chi2` (two degrees of freedom) where they were accumulated last out of the
+  /// frame; returns how many stay. The frame's own scale is the median of all errors: blur and rolling shutter make all
+  /// of them larger, and then all weigh less.
+  int gate(Store& store, S chi2) {
     sorted_ = errors_;
     const std::size_t middle = sorted_.size() / 2;
     std::nth_element(sorted_.begin(), sorted_.begin() + middle, sorted_.end());
@@ -87,7 +86,7 @@ class MotionTerms {
   }
 
   FixedVector<Item, Store::capacity> items_;
-  FixedVector<S, Store::capacity> errors_, sorted_;
+  FixedVector<S, Store::capacity> errors_, sorted_;  ///< whitened and squared, of the pixels
 };
 
 }  // namespace plumbline

@@ -21,9 +21,10 @@ namespace plumbline {
 
 struct DirectLineOptions : EdgeFollowingOptions {
   DirectLineOptions() {
-    search_tracked_again = false;  // the aligned pose is nearly the estimated one
+    search_first_px = 4;  // the aligned pose is nearly the estimated one
+    search_tracked_again = false;
   }
-  float sample_spacing_px = 12;   ///< of the patches along a segment
+  float sample_spacing_px = 20;   ///< of the patches along a segment
   float max_weight = 1.5f;        ///< of all patches of a segment together, in patches of points
   bool filter_depth = true;       ///< of the ends of new landmarks; else by the two views that have enough parallax
   double max_depth_error = 0.33;  ///< relative: new landmarks whose ends are known better have a place in space
@@ -38,12 +39,12 @@ class DirectLines {
   using Landmark = typename Store::Landmark;
   using Options = LineOptionsOf<DirectLineOptions, Sensors>;
   static constexpr bool votes = false;
-  static constexpr int max_samples_of_one = 8, max_alignment_samples = max_samples_of_one * Store::capacity;
+  static constexpr int max_samples_of_one = 5, max_alignment_samples = max_samples_of_one * Store::capacity;
 
   explicit DirectLines(const Options& options) : options_(options), edges_(options) {}
 
-  /// Gives take(sample) of patches along every located landmark that the previous image shows: where the ray of a pixel
-  /// of the segment meets the line.
+  /// Gives take(sample) of patches along every located landmark that the previous image shows: where a ray between those
+  /// of its ends meets the line.
   void for_each_alignment_sample(const View<Sensors>& view, const auto& window, const Store& store,
                                  const SE3<S>& T_world_predicted, auto&& take) const {
     const SE3<S> T_cam_previous =
@@ -54,14 +55,16 @@ class DirectLines {
       const Plucker<S> line = (T_previous_world * (window.T_world_body(landmark.anchor) * view.T_body_cam)) *
                               landmark.geometry.line.plucker();
       const LineSegment& segment = landmark.current.segment;
+      const LineReprojection<S>& seen = landmark.current.pixels.measured;
       const int n = std::clamp(int(segment.length() / options_.sample_spacing_px), 2, max_samples_of_one);
       const float weight = std::min(1.0f, options_.max_weight / float(n));
       for (int k = 0; k < n; ++k) {
-        const float along = (float(k) + 0.5f) / float(n);
-        const Vec<float, 2> pixel = segment.start + along * (segment.end - segment.start);
-        const Unprojection<S> ray = view.camera().unproject(view.shutter.still(cast_to<S>(pixel)).uv);
-        if (!ray.valid) continue;
-        const Vec<S, 3> p = line.point_along(ray.bearing);
+        const S along = (S(k) + S(0.5)) / S(n);
+        const Vec<S, 3> ray = normalized(seen.bearing_start + along * (seen.bearing_end - seen.bearing_start));
+        const Projection<S> before = view.camera().project(ray);
+        if (!before.valid) continue;
+        const Vec<float, 2> pixel = cast_to<float>(view.shutter.seen(before.uv));
+        const Vec<S, 3> p = line.point_along(ray);
         if (!(p.z() > min_depth) || !(norm(p) < max_range)) continue;
         const Projection<S> predicted = view.camera().project(T_cam_previous * p);
         if (!predicted.valid) continue;

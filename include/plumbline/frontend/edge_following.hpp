@@ -20,6 +20,7 @@
 #include "plumbline/frontend/segment_measurement.hpp"
 #include "plumbline/frontend/visible_segment.hpp"
 #include "plumbline/sensor/line_depth_measurement.hpp"
+#include "plumbline/tracking/edge_gradients.hpp"
 #include "plumbline/tracking/edge_map.hpp"
 #include "plumbline/tracking/line_detector.hpp"
 #include "plumbline/tracking/line_tracking.hpp"
@@ -30,6 +31,7 @@ struct EdgeFollowingOptions {
   float sigma_px = 0.4f;             ///< of an endpoint across the segment, however long and sharp the edge
   float peak_spacing_px = 4;         ///< of peaks along the edge that err independently
   int target_count = 60;             ///< segments are detected until this many landmarks are in sight
+  float search_first_px = 1e3f;      ///< across the edge; where nothing is found so near, `tracking.search_px`
   float search_again_px = 5;         ///< across the edge, once the pose is known
   bool search_tracked_again = true;  ///< else those alone that were not found
   LineDetectorOptions detector;
@@ -61,7 +63,6 @@ class EdgeFollowing {
   explicit EdgeFollowing(const EdgeFollowingOptions& options) : options_(options) {}
 
   void follow(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_predicted) {
-    has_edges_ = edges_.compute(view.current.level(0), options_.detector.min_gradient);
     const SE3<S> T_cam_world = (T_world_predicted * view.T_body_cam).inverse();
     const SO3<S> R_cam_previous = T_cam_world.rotation() * (view.T_world_previous * view.T_body_cam).rotation();
     for (Landmark& landmark : store.landmarks()) {
@@ -73,7 +74,11 @@ class EdgeFollowing {
       const bool visible = landmark.located ? predicted_segment(view, window, landmark, T_cam_world, guess)
                                             : visible_segment(view, Vec<S, 3>(R_cam_previous * before.bearing_start),
                                                               Vec<S, 3>(R_cam_previous * before.bearing_end), guess);
-      if (visible) look_for(view, landmark, guess, options_.tracking);
+      if (visible) {
+        const bool near_first = options_.search_first_px < options_.tracking.search_px;
+        if (near_first) look_for(view, landmark, guess, within(options_.search_first_px));
+        if (!landmark.current.valid) look_for(view, landmark, guess, options_.tracking);
+      }
       if (!landmark.current.valid) ++landmark.misses;
     }
     drop_duplicates(store);
@@ -81,8 +86,7 @@ class EdgeFollowing {
 
   void refine(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
     const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
-    LineTrackingOptions near = options_.tracking;
-    near.search_px = options_.search_again_px;
+    const LineTrackingOptions near = within(options_.search_again_px);
     for (Landmark& landmark : store.landmarks()) {
       if (!landmark.located) continue;
       LineSegment guess;
@@ -117,10 +121,8 @@ class EdgeFollowing {
       if (!landmark.located && landmark.current.valid && landmark.current.has_depth()) locate_in_frame(landmark, slot);
     }
     const ImageView<const std::uint8_t>& image = view.current.level(0);
-    if (!has_edges_) has_edges_ = edges_.compute(image, options_.detector.min_gradient);
-    if (!has_edges_) return;
+    if (!edges_.compute(image, options_.detector.min_gradient)) return;
     detector_.detect(image, edges_, options_.detector, detected_);
-    has_edges_ = false;  // the detector may have taken their pixels
     segments_.clear();
     for (const Landmark& landmark : store.landmarks()) {
       if (landmark.current.valid) segments_.push_back(landmark.current.segment);
@@ -155,13 +157,20 @@ class EdgeFollowing {
                            Vec<S, 3>(T_cam_anchor * line.at(line.extent[1])), out);
   }
 
+  LineTrackingOptions within(float search_px) const {
+    LineTrackingOptions out = options_.tracking;
+    out.search_px = search_px;
+    return out;
+  }
+
   static void remember_appearance(Landmark& landmark) {
     landmark.appearance = {landmark.current.profile, landmark.current.segment.gradient};
   }
 
   void look_for(const View<Sensors>& view, Landmark& landmark, LineSegment guess, const LineTrackingOptions& tracking) {
     guess.gradient = landmark.appearance.gradient;
-    observe(view, tracker_.track(edges_, view.current.level(0), landmark.appearance.profile, guess, tracking),
+    const ImageView<const std::uint8_t>& image = view.current.level(0);
+    observe(view, tracker_.track(EdgeGradients(image), image, landmark.appearance.profile, guess, tracking),
             landmark.current);
     if (landmark.current.valid) landmark.misses = 0;
   }
@@ -199,8 +208,7 @@ class EdgeFollowing {
   }
 
   EdgeFollowingOptions options_;
-  EdgeMap<decltype(Sensors::vision)::max_pixels> edges_;
-  bool has_edges_ = false;  ///< of the current frame, not yet taken by the detector
+  EdgeMap<decltype(Sensors::vision)::max_pixels> edges_;  ///< of the latest keyframe
   LineTracker tracker_;
   Detector detector_;
   FixedVector<LineSegment, 300> detected_;

@@ -35,7 +35,8 @@ class ImagePair {
   bool see(const Frame& frame) { return pyramids_[1 - kept_].build(frame.gray); }
 
   /// The new frame beside the kept one.
-  View<Sensors> view(const Sensors& rig, const Frame& frame, const SE3<S>& T_body_cam, S readout_s, S dt) const {
+  View<Sensors> view(const Sensors& rig, const Frame& frame, const SE3<S>& T_body_cam, const Readout<S>& readout,
+                     S dt) const {
     const auto depth = [&]() -> ImageView<const std::uint16_t> {
       if constexpr (Sensors::has_depth) return frame.depth;
       return {};
@@ -48,7 +49,7 @@ class ImagePair {
             depth(),
             T_world_kept_,
             T_body_cam,
-            {rig.vision.camera, rig.vision.height, readout_s}};
+            {rig.vision.camera, rig.vision.height, readout.value_s, readout.is_known()}};
   }
 
   /// Whether the new image is the kept one again, as a camera that hangs delivers it: no two readings of a sensor are

@@ -39,8 +39,8 @@ struct ImageView {
 /// Bilinear interpolation at (x, y) [px]; the four neighbours must be inside.
 template <class Pixel, class S>
 S interpolate(const ImageView<Pixel>& image, S x, S y) {
-  const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-  PLUMBLINE_ASSERT(x0 >= 0 && y0 >= 0 && x0 + 1 < image.width && y0 + 1 < image.height);
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);  // rounds down what is not negative
+  PLUMBLINE_ASSERT(x >= S(0) && y >= S(0) && x0 + 1 < image.width && y0 + 1 < image.height);
   const S ax = x - S(x0), ay = y - S(y0);
   const Pixel* top = image.row(y0) + x0;
   const Pixel* bottom = top + image.stride;

@@ -81,18 +81,33 @@ bool interpolate_warped_patch(const ImageView<const std::uint8_t>& image, const 
         high.y() < static_cast<float>(image.height - 1))) {
     return false;
   }
+  // Where the samples are, their pixels, what lies between: compilers vectorize the first and the last.
+  constexpr int n = Size * Size;
+  int first[n], upper_left[n], upper_step[n], lower_left[n], lower_step[n];
+  float ax[n], ay[n];
+  const int stride = static_cast<int>(image.stride);
   for (int y = 0; y < Size; ++y) {
     const Vec<float, 2> start = centre + A * Vec<float, 2>(-radius, static_cast<float>(y) - radius);
     for (int x = 0; x < Size; ++x) {
       const float u = start.x() + static_cast<float>(x) * A(0, 0), v = start.y() + static_cast<float>(x) * A(1, 0);
-      const int x0 = static_cast<int>(u), y0 = static_cast<int>(v);
-      const float ax = u - static_cast<float>(x0), ay = v - static_cast<float>(y0);
-      const std::uint8_t* row = image.data + y0 * image.stride + x0;
-      const float upper = static_cast<float>(row[0]) + ax * static_cast<float>(row[1] - row[0]);
-      row += image.stride;
-      const float lower = static_cast<float>(row[0]) + ax * static_cast<float>(row[1] - row[0]);
-      out[y * Size + x] = upper + ay * (lower - upper);
+      const int x0 = static_cast<int>(u), y0 = static_cast<int>(v), k = y * Size + x;
+      ax[k] = u - static_cast<float>(x0);
+      ay[k] = v - static_cast<float>(y0);
+      first[k] = y0 * stride + x0;
     }
+  }
+  for (int k = 0; k < n; ++k) {
+    const std::uint8_t* const upper = image.data + first[k];
+    const std::uint8_t* const lower = upper + image.stride;
+    upper_left[k] = upper[0];
+    upper_step[k] = upper[1] - upper[0];
+    lower_left[k] = lower[0];
+    lower_step[k] = lower[1] - lower[0];
+  }
+  for (int k = 0; k < n; ++k) {
+    const float upper = static_cast<float>(upper_left[k]) + ax[k] * static_cast<float>(upper_step[k]);
+    const float lower = static_cast<float>(lower_left[k]) + ax[k] * static_cast<float>(lower_step[k]);
+    out[k] = upper + ay[k] * (lower - upper);
   }
   return true;
 }

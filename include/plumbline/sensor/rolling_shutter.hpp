@@ -18,6 +18,7 @@ struct Readout {
   S value_s = S(0);      ///< 0: all rows at once
   S sigma_s = S(0);      ///< 0: known; else the estimator finds it out
   bool is_held = false;  ///< until images contradict the value beyond doubt: most cameras of robots do not roll
+  bool is_known() const { return !(sigma_s > S(0)); }
 };
 
 /// A pixel as the middle of the frame would have seen it.
@@ -33,7 +34,7 @@ class GlobalShutter {
  public:
   using S = typename Camera::Scalar;
 
-  GlobalShutter(const Camera&, int /*height*/, S /*readout_s*/) {}
+  GlobalShutter(const Camera&, int /*height*/, S /*readout_s*/, bool /*is_known*/ = false) {}
   void set_angular_rate(const Vec<S, 3>&) {}
   StillPixel<S> still(const Vec<S, 2>& uv) const { return {uv, zeros<S, 2>()}; }
   Vec<S, 3> bearing_slope(const Vec<S, 2>&, const Vec<S, 3>&) const { return zeros<S, 3>(); }
@@ -46,8 +47,8 @@ class RollingShutter {
   using S = typename Camera::Scalar;
 
   /// The camera does not turn until its angular rate is set.
-  RollingShutter(const Camera& camera, int height, S readout_s)
-      : camera_(camera), height_(S(height)), readout_s_(readout_s) {}
+  RollingShutter(const Camera& camera, int height, S readout_s, bool is_known = false)
+      : camera_(camera), height_(S(height)), readout_s_(readout_s), is_global_(is_known && readout_s == S(0)) {}
 
   /// [rad/s], the camera's, in its own coordinates.
   void set_angular_rate(const Vec<S, 3>& angular_rate) { angular_rate_ = angular_rate; }
@@ -55,6 +56,7 @@ class RollingShutter {
   /// Where the middle of the frame would have seen what was seen at `uv`.
   StillPixel<S> still(const Vec<S, 2>& uv) const {
     StillPixel<S> out{uv, zeros<S, 2>()};
+    if (is_global_) return out;
     const Unprojection<S> ray = camera_.unproject(uv);
     if (!ray.valid) return out;
     const S tau = row_time(uv);
@@ -73,6 +75,7 @@ class RollingShutter {
 
   /// Where the image shows what the middle of the frame sees at `uv`; the inverse of `still`.
   Vec<S, 2> seen(const Vec<S, 2>& uv) const {
+    if (readout_s_ == S(0)) return uv;
     const Unprojection<S> ray = camera_.unproject(uv);
     if (!ray.valid) return uv;
     Vec<S, 2> out = uv;
@@ -92,6 +95,7 @@ class RollingShutter {
   const Camera& camera_;
   S height_;
   S readout_s_;
+  bool is_global_;  ///< known to read all rows at once: nothing depends on the readout time
   Vec<S, 3> angular_rate_ = zeros<S, 3>();
 };
 

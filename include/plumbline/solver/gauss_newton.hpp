@@ -48,6 +48,12 @@ class DenseNormalEquations {
     }
     sum_rho_ += 2 * system.cost();
   }
+  /// The state was moved by d, and its rows are still what they were to first order: b + H d. The cost stays.
+  void move(const Vec<S, D>& d) {
+    for (int j = 0; j < D; ++j) {
+      for (int i = 0; i < D; ++i) b_[i] += H_(i, j) * d[j];
+    }
+  }
   /// 1/2 sum rho over all that was given to `add_cost`.
   S cost() const { return sum_rho_ / 2; }
   void add_cost(S rho) { sum_rho_ += rho; }

@@ -14,30 +14,24 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "plumbline/core/assert.hpp"
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/image/image_view.hpp"
+#include "plumbline/tracking/edge_queries.hpp"
 
 namespace plumbline {
 
-/// A pixel of a chain.
-struct EdgePixel {
-  std::int16_t x, y;
-};
-
 using EdgeChain = FixedVector<EdgePixel, 4096>;
 
-/// The pixel that a position [px] >= 0 is in.
-inline EdgePixel nearest_pixel(const Vec<float, 2>& uv) {
-  return {static_cast<std::int16_t>(uv.x() + 0.5f), static_cast<std::int16_t>(uv.y() + 0.5f)};  // rounds down
-}
-
 template <std::size_t MaxPixels>
-class EdgeMap {
+class EdgeMap : public EdgeQueries<EdgeMap<MaxPixels>> {
+  using Queries = EdgeQueries<EdgeMap<MaxPixels>>;
+  using Queries::height_;
+  using Queries::width_;
+
  public:
-  static constexpr float units = 128;  ///< of (18), for one gray level per pixel
-  static constexpr int border = 3;     ///< pixels at the edge of the image that have no strength
+  using Queries::border;
+  using Queries::units;
 
   /// The threshold of the strength is a slope [intensity/px]. False when the image is empty, has more than MaxPixels
   /// pixels or is too small to have an inside.
@@ -64,35 +58,14 @@ class EdgeMap {
     return true;
   }
 
-  int width() const { return width_; }
-  int height() const { return height_; }
   int index(int x, int y) const { return y * width_ + x; }
-  /// True when the position is inside of the border; false for NaN.
-  bool contains(const Vec<float, 2>& uv) const {
-    return uv.x() >= float(border) && uv.y() >= float(border) && uv.x() < static_cast<float>(width_ - border) - 0.5f &&
-           uv.y() < static_cast<float>(height_ - border) - 0.5f;
-  }
+  EdgeGradient gradient(int x, int y) const { return gradients_[static_cast<std::size_t>(index(x, y))]; }
+  EdgeGradient gradient_inside(int x, int y) const { return gradient(x, y); }
   int gx(int i) const { return gradients_[static_cast<std::size_t>(i)].x; }
   int gy(int i) const { return gradients_[static_cast<std::size_t>(i)].y; }
   /// 0: below the threshold; negative: taken by a chain.
   int strength(int i) const { return strength_[static_cast<std::size_t>(i)]; }
-  /// The edge through the pixel is steeper than 45 degrees.
-  bool is_steep(int i) const { return std::abs(gx(i)) >= std::abs(gy(i)); }
-
-  /// Slope along the unit normal at the nearest pixel [intensity/px], 0 where the gradient is more than 22.5 degrees
-  /// off the normal, and outside.
-  float aligned_slope(const Vec<float, 2>& uv, const Vec<float, 2>& normal) const {
-    return contains(uv) ? slope_inside(uv, normal) : 0.0f;
-  }
-  /// The same at `at` + j `normal`, j = -range ... range, into out[j + range].
-  void aligned_slopes(const Vec<float, 2>& at, const Vec<float, 2>& normal, int range, float* out) const {
-    const Vec<float, 2> first = at - static_cast<float>(range) * normal, last = at + static_cast<float>(range) * normal;
-    const bool inside = contains(first) && contains(last);
-    for (int j = 0; j <= 2 * range; ++j) {
-      const Vec<float, 2> uv = first + static_cast<float>(j) * normal;
-      out[j] = inside ? slope_inside(uv, normal) : aligned_slope(uv, normal);
-    }
-  }
+  bool is_steep(int i) const { return gradients_[static_cast<std::size_t>(i)].is_steep(); }
 
   /// Calls `take(chain)` for each chain, started at local maxima of the strength in every `spacing`-th row (steep
   /// edges) and column (flat ones). A chain that is full ends; what is left of its edge is another chain.
@@ -117,38 +90,11 @@ class EdgeMap {
     }
   }
 
-  /// Where the strength peaks across the edge near the pixel: the vertex of a parabola.
-  Vec<float, 2> peak(const EdgePixel& pixel) const {
-    const int i = index(pixel.x, pixel.y);
-    const bool steep = is_steep(i);
-    const int across = steep ? 1 : width_;
-    const auto slope = [&](int j) { return std::abs(gx(j)) + std::abs(gy(j)); };
-    const int before = slope(i - across), here = slope(i), after = slope(i + across);
-    const int curvature = 2 * here - before - after;
-    float shift = 0;
-    if (curvature > 0)
-      shift = std::clamp(0.5f * static_cast<float>(after - before) / static_cast<float>(curvature), -1.0f, 1.0f);
-    const Vec<float, 2> centre(pixel.x, pixel.y);
-    return centre + (steep ? Vec<float, 2>(shift, 0) : Vec<float, 2>(0, shift));
-  }
-
  private:
   static constexpr int block = 128;
-  struct Gradient {
-    std::int16_t x, y;  ///< (18)
-  };
-
-  float slope_inside(const Vec<float, 2>& uv, const Vec<float, 2>& normal) const {
-    const EdgePixel pixel = nearest_pixel(uv);
-    const std::size_t i = static_cast<std::size_t>(index(pixel.x, pixel.y));
-    const float u = static_cast<float>(gradients_[i].x), v = static_cast<float>(gradients_[i].y);
-    const float across = normal.x() * u + normal.y() * v, along = normal.x() * v - normal.y() * u;
-    constexpr float tan_22_5 = 0.41421356f;
-    return std::abs(along) < tan_22_5 * across ? across / units : 0.0f;
-  }
 
   void clear(int first, int n) {
-    std::fill_n(gradients_.data() + first, n, Gradient{0, 0});
+    std::fill_n(gradients_.data() + first, n, EdgeGradient{0, 0});
     std::fill_n(strength_.data() + first, n, std::int16_t(0));
   }
 
@@ -164,7 +110,7 @@ class EdgeMap {
       slope[k] = static_cast<std::int16_t>(e - a + 2 * (d - b));
     }
     const std::size_t out = static_cast<std::size_t>(index(x, y));
-    Gradient* const gradient = gradients_.data() + out;
+    EdgeGradient* const gradient = gradients_.data() + out;
     std::int16_t* const strength = strength_.data() + out;
     for (int k = 0; k < n; ++k) {
       const std::int16_t u = static_cast<std::int16_t>(smooth[k + 4] - smooth[k] + 2 * (smooth[k + 3] - smooth[k + 1]));
@@ -194,9 +140,8 @@ class EdgeMap {
     }
   }
 
-  std::array<Gradient, MaxPixels> gradients_;
+  std::array<EdgeGradient, MaxPixels> gradients_;
   std::array<std::int16_t, MaxPixels> strength_;
-  int width_ = 0, height_ = 0;
 };
 
 }  // namespace plumbline

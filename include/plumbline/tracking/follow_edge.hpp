@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "plumbline/core/matrix.hpp"
-#include "plumbline/tracking/edge_map.hpp"
+#include "plumbline/tracking/edge_queries.hpp"
 #include "plumbline/tracking/line_fit.hpp"
 
 namespace plumbline {

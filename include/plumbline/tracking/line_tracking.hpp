@@ -18,7 +18,7 @@
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/image/image_view.hpp"
-#include "plumbline/tracking/edge_map.hpp"
+#include "plumbline/tracking/edge_queries.hpp"
 #include "plumbline/tracking/follow_edge.hpp"
 #include "plumbline/tracking/line_fit.hpp"
 #include "plumbline/tracking/line_profile.hpp"
@@ -50,9 +50,9 @@ struct TrackedLine {
 class LineTracker {
  public:
   /// Finds the segment whose profile in its last image was `profile` near `guess`, which has the segment's slope.
-  template <std::size_t MaxPixels>
-  TrackedLine track(const EdgeMap<MaxPixels>& edges, const ImageView<const std::uint8_t>& image,
-                    const LineProfile& profile, const LineSegment& guess, const LineTrackingOptions& options) {
+  template <class Edges>
+  TrackedLine track(const Edges& edges, const ImageView<const std::uint8_t>& image, const LineProfile& profile,
+                    const LineSegment& guess, const LineTrackingOptions& options) {
     TrackedLine out;
     length_ = guess.length();
     if (!(length_ > 1.0f && length_ < max_length_px && guess.gradient > 0)) return out;  // false for NaN too
