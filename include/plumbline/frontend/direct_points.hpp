@@ -26,9 +26,6 @@
 namespace plumbline {
 
 struct DirectPointOptions : PointFlowOptions {
-  DirectPointOptions() {
-    alignment.epsilon_px = 0.05f;  // a tenth of what is claimed of an observation: the next step is a fraction of it
-  }
   float max_correction_px = 4;    ///< from where the aligned pose sees a landmark
   bool flow_as_well = true;       ///< where the anchor's pixels are not found
   bool filter_depth = true;       ///< of new landmarks; else by the two views that have enough parallax
