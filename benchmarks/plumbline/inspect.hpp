@@ -100,7 +100,9 @@ Inspection inspect(const Estimator& estimator, plumbline::TimeNs previous_ns) {
         estimator.imu().gyro_full_scale(),
         estimator.imu().accel_full_scale(),
         std::nullopt,
-        estimator.rig_state().time_offset_s() - rig.imu.camera_time_offset_s};
+        estimator.rig_state().time_offset_s() - rig.imu.camera_time_offset_s,
+        estimator.camera_imu().time_offset_sigma()};
+    estimator.backend().sigma_of_time_offset(inertial.sigma_time_offset_s);  // unless the filter is in charge
     inspect_extrinsics(estimator, inertial);
     has_pose = inertial.start.stage == plumbline::InitStage::done;  // before, map and pose are of two worlds
     plumbline::Mat<S, 15, 15> covariance;

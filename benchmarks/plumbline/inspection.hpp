@@ -41,6 +41,7 @@ struct InertialInspection {
   double gyro_full_scale, accel_full_scale;        ///< of the calibration, or as the readings show [rad/s], [m/s^2]
   std::optional<plumbline::Vec<double, 9>> sigma;  ///< of velocity, gyroscope bias, accelerometer bias
   double time_offset_s;                            ///< of the camera's clock, beyond the calibration's
+  double sigma_time_offset_s;
 
   // How the camera sits against T_body_camera, in the axes of the body [rad], [m].
   plumbline::Vec<double, 3> turned = plumbline::Vec<double, 3>::Zero(), moved = turned;

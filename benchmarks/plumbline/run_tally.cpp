@@ -1,6 +1,7 @@
 #include "run_tally.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <numeric>
 
@@ -130,9 +131,10 @@ std::string found_wrong(const pl::io::Calibration& calibration, const Inspection
   const pl::ImuBufferOptions& limits = calibration.imu_limits;
   stops("gyroscope", last.inertial->gyro_full_scale, limits.gyro_full_scale, "rad/s");
   stops("accelerometer", last.inertial->accel_full_scale, limits.accel_full_scale, "m/s^2");
-  if (last.inertial->time_offset_s != 0)
+  const double later_s = last.inertial->time_offset_s;
+  if (std::abs(later_s) > std::max(1e-3, 4 * last.inertial->sigma_time_offset_s))
     out += format("calibration: time_offset_s is %.4f, not %.4f; the run corrected it\n",
-                  calibration.camera_time_offset_s + last.inertial->time_offset_s, calibration.camera_time_offset_s);
+                  calibration.camera_time_offset_s + later_s, calibration.camera_time_offset_s);
   const char* done = last.inertial->corrects_extrinsics ? "the run corrected it" : "the run did not correct it";
   const auto differs = [&](const char* how, const pl::Vec<double, 3>& found, const pl::Vec<double, 3>& sigma,
                            double least, double unit, const char* unit_name) {

@@ -14,6 +14,7 @@ namespace plumbline::test {
 constexpr int seeds = 30;
 /// 99 % of the means of `seeds` independent chi-squares of three degrees of freedom, chi-square of 90 by 30; of six.
 constexpr double band_low = 1.97, band_high = 4.28, extrinsics_low = 4.48, extrinsics_high = 7.76;
+constexpr double time_offset_low = 0.46, time_offset_high = 1.79;  ///< of one
 
 /// Mean over all seeds, second by second. What is averaged over a second is correlated and spreads less than one
 /// instant does, never more: the band of one instant holds it.
@@ -21,7 +22,7 @@ struct Consistency {
   static constexpr int frames_per_second = 20;
   std::vector<double> nees_position, nees_rotation;  ///< per second
   double mean_position = 0, mean_rotation = 0;       ///< of all of them
-  double extrinsics = 0;                             ///< of the camera, at the end
+  double extrinsics = 0, time_offset = 0;            ///< of the camera, at the end
 };
 
 template <class Run>
@@ -39,6 +40,7 @@ Consistency measure_consistency(int seconds, const RunOptions& options = {}) {
       }
     }
     out.extrinsics += run.nees_extrinsics() / seeds;
+    out.time_offset += run.nees_time_offset() / seeds;
   }
   for (const double nees : out.nees_position) out.mean_position += nees / seconds;
   for (const double nees : out.nees_rotation) out.mean_rotation += nees / seconds;
@@ -57,9 +59,11 @@ void require_consistent() {
     CHECK(rotation > band_low);
     CHECK(rotation < band_high);
   }
-  CAPTURE(measured.mean_position, measured.mean_rotation, measured.extrinsics);
+  CAPTURE(measured.mean_position, measured.mean_rotation, measured.extrinsics, measured.time_offset);
   CHECK(measured.extrinsics > extrinsics_low);
   CHECK(measured.extrinsics < extrinsics_high);
+  CHECK(measured.time_offset > time_offset_low);
+  CHECK(measured.time_offset < time_offset_high);
   REQUIRE(measured.mean_position > band_low);
   REQUIRE(measured.mean_position < band_high);
   REQUIRE(measured.mean_rotation > band_low);

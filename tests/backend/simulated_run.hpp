@@ -3,7 +3,8 @@
 // images are replaced by what a camera on the way through a cloud of points and lines would measure.
 //
 // Every noise is that which the backend is told of: pixels, depths, IMU, biases at the start, place and heading of the
-// first keyframe, mount of the camera. What comes out wrong is then the backend's own.   docs/math/inertial_window.md
+// first keyframe, mount and clock of the camera. What comes out wrong is then the backend's own.
+//                                                                                docs/math/inertial_window.md
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -92,6 +93,8 @@ class BackendRun {
     window_options_.sigma_first_position = window_options_.sigma_first_rotation = options.noise * options.sigma_first;
     window_options_.extrinsics.rotation_sigma *= options.noise;
     window_options_.extrinsics.position_sigma *= options.noise;
+    window_options_.time_offset.sigma_s *= options.noise;
+    time_offset_s_ = window_options_.time_offset.sigma_s * testing::Gaussian(testing::stream_seed(seed, 24))();
     backend_ = std::make_unique<Backend>(window_options_, typename Motion::Options{});
     points_.sigma_px *= options.noise;
     points_.sigma_inverse_depth *= options.noise;
@@ -110,7 +113,7 @@ class BackendRun {
     if (temporary_slot_ >= 0) backend_->drop(*landmarks_, temporary_slot_);
     temporary_slot_ = -1;
     const bool keyframe = ++frames_ % options_.frames_per_keyframe == 0;
-    const int slot = backend_->insert(t_ns_, x, {keyframe_slot_, since_keyframe_});
+    const int slot = backend_->insert(t_ns_, x, {keyframe_slot_, since_keyframe_, false, false, keyframe_cut_, cut()});
     observe(slot, keyframe);
     backend_->optimize(rig_, T_body_cam(), *landmarks_, keyframe);
     state_ = backend_->window()[slot].state.value();
@@ -130,7 +133,7 @@ class BackendRun {
   }
 
   FrameError error() const {
-    const Vec<double, 6> d = minus(reading_.motion.T_world_body, state_.T_world_body.template cast<double>());
+    const Vec<double, 6> d = minus(T_world_body(), state_.T_world_body.template cast<double>());
     Mat<S, 6, 6> C = Mat<S, 6, 6>::Identity();
     const bool known = backend_->covariance_of_newest(C);
     const auto nees = [&](int i) {
@@ -145,6 +148,13 @@ class BackendRun {
     const Vec<double, 6> d = minus(testing::simulated_T_body_camera(), T_body_cam().template cast<double>());
     Mat<double, 6, 6> C;
     return backend_->covariance_of_extrinsics(C) ? d.dot(C.inverse() * d) : std::nan("");
+  }
+
+  /// Of the offset of the camera's clock, one degree of freedom.
+  double nees_time_offset() const {
+    double sigma_s = 0;
+    const double e = backend_->window().time_offset_s(0) - time_offset_s_;
+    return backend_->sigma_of_time_offset(sigma_s) ? e * e / (sigma_s * sigma_s) : std::nan("");
   }
 
   /// Information on the heading and position of the whole, in units of what the first keyframe's prior knew of it: that
@@ -192,7 +202,10 @@ class BackendRun {
     return out;
   }
 
-  SE3<double> T_world_cam() const { return reading_.motion.T_world_body * testing::simulated_T_body_camera(); }
+  /// When the image was taken: its clock is not the readings', which are cut as if it were.
+  SE3<double> T_world_body() const { return trajectory_.at(reading_.t + time_offset_s_).T_world_body; }
+  SE3<double> T_world_cam() const { return T_world_body() * testing::simulated_T_body_camera(); }
+  ReadingCut<S> cut() const { return {0, reading_.gyro.template cast<S>()}; }
   /// The camera's mount as a calibration has it.
   SE3<double> calibrated(std::uint64_t seed) const {
     testing::Gaussian noise(seed);
@@ -220,12 +233,13 @@ class BackendRun {
 
   void adopt_keyframe(int slot) {
     keyframe_slot_ = slot;
+    keyframe_cut_ = cut();
     since_keyframe_ = Preintegration<S>(quality(options_.noise).noise, state_.bias_gyro, state_.bias_accel);
   }
 
   /// The first keyframes as vision alone would have put them, and the inertial window over them.
   void start() {
-    const SE3<double> T_first = reading_.motion.T_world_body;
+    const SE3<double> T_first = T_world_body();
     const auto& w = window_options_;
     // In the world: tilt, which is measured, and heading, which is not.
     const Vec<double, 3> turn(0.005 * noise_(), 0.005 * noise_(), w.sigma_first_rotation * noise_());
@@ -238,18 +252,20 @@ class BackendRun {
         for (int i = 0; i < options_.frames_per_keyframe; ++i) advance();
         Vec<double, 6> off;
         off << 0.002 * noise_.vector<3>(), 0.005 * noise_.vector<3>();
-        T = plus(T_start_ * T_first.inverse() * reading_.motion.T_world_body, off);
+        T = plus(T_start_ * T_first.inverse() * T_world_body(), off);
       }
       state_.T_world_body = T.template cast<S>();
-      const int slot =
-          k == 0 ? backend_->start(t_ns_, state_) : backend_->insert(t_ns_, state_, {keyframe_slot_, since_keyframe_});
+      const int slot = k == 0 ? backend_->start(t_ns_, state_)
+                              : backend_->insert(t_ns_, state_,
+                                                 {keyframe_slot_, since_keyframe_, false, false, keyframe_cut_, cut()});
       states[std::size_t(slot)] = state_;
       observe(slot, true);
       locate();
       adopt_keyframe(slot);
     }
     const InertialStart<S, DepthStart<S>> start({});
-    backend_->restart([&](int slot) { return states[std::size_t(slot)]; }, start.prior_on_biases(), T_body_cam());
+    backend_->restart([&](int slot) { return states[std::size_t(slot)]; }, start.prior_on_biases(), T_body_cam(),
+                      {.known = false});
     LevenbergMarquardtOptions solver = w.solver;
     solver.max_iterations *= 4;
     backend_->optimize(rig_, T_body_cam(), *landmarks_, solver);
@@ -367,6 +383,8 @@ class BackendRun {
   std::unique_ptr<RigPyramid<Sensors>> pyramid_ = std::make_unique<RigPyramid<Sensors>>();
 
   testing::SimulatedImu::Reading reading_{-1, {}, {}, {}, {}, {}};  ///< the latest, at the time of the frame
+  double time_offset_s_ = 0;  ///< of the camera's clock, which is taken to have none
+  ReadingCut<S> keyframe_cut_;
   TimeNs t_ns_ = 0;
   SE3<double> T_start_;  ///< what the first keyframe is believed to be
   NavState<S> state_;    ///< of the latest frame

@@ -91,3 +91,65 @@ TEST_CASE("window_equations: without the mount nothing is changed") {
   REQUIRE(equations->normal.H().norm() == 0);
   STATIC_REQUIRE(WindowEquations<FrameWindow<double, VisualLayout, 3>>::Normal::max_dim == 3 * state::Pose::dim);
 }
+
+namespace {
+
+/// Two rows on two frames and the clock.
+struct TwoRows {
+  static constexpr int frame_dim = InertialLayout::dim;
+  Mat<float, 2, frame_dim> J_i, J_j;
+  Vec<float, 2> J_clock, r;
+
+  explicit TwoRows(testing::Gaussian& noise) {
+    for (int c = 0; c < frame_dim; ++c) {
+      J_i.col(c) = noise.vector<2>().cast<float>();
+      J_j.col(c) = noise.vector<2>().cast<float>();
+    }
+    J_clock = noise.vector<2>().cast<float>();
+    r = noise.vector<2>().cast<float>();
+  }
+  static bool active() { return true; }
+  void for_each_row(const auto&, int, auto&& take) const { take(2, J_i, 0, J_j, J_clock, r); }
+};
+struct KnowsNothing {
+  void add_to(const auto&, auto&) const {}
+};
+
+}  // namespace
+
+TEST_CASE("window_equations: the clock is in links and its prior, or held") {
+  constexpr int slots = 3, frame_dim = InertialLayout::dim, clock = slots * frame_dim + state::Extrinsics::dim;
+  testing::Gaussian noise(7);
+  const TwoRows rows(noise);
+  for (const bool estimated : {true, false}) {
+    FrameWindow<double, InertialLayout, slots> window;
+    for (int k = 0; k < slots; ++k) window.insert(k, {});
+    window.estimate_extrinsics({});
+    if (estimated) window.estimate_time_offset(0.01);
+    Vec<double, slots* frame_dim + 7> step = Vec<double, slots * frame_dim + 7>::Zero();
+    step[clock] = 2e-3;
+    window.move(step);
+    const auto equations = std::make_unique<WindowEquations<decltype(window)>>();
+    equations->begin();
+    const TimeOffsetPrior prior({}, 0);
+    equations->add_time_offset(window, prior);
+    equations->add_known(window, KnowsNothing{}, rows);
+    const auto& H = equations->normal.H();
+    const auto& b = equations->normal.b();
+    CAPTURE(estimated);
+    if (!estimated) {
+      CHECK(H(clock, clock) == 1);
+      CHECK(H.row(clock).head(clock).norm() == 0);
+      CHECK(b[clock] == 0);
+      continue;
+    }
+    const Vec<double, 2> J = rows.J_clock.cast<double>();
+    CHECK(H(clock, clock) == Approx(J.squaredNorm() + prior.information(2e-3)));
+    CHECK(b[clock] == Approx(J.dot(rows.r.cast<double>()) + 2e-3 * prior.information(2e-3)));
+    for (int c = 0; c < frame_dim; ++c) {
+      CHECK(H(clock, 2 * frame_dim + c) == Approx(J.dot(rows.J_i.col(c).cast<double>())));
+      CHECK(H(clock, c) == Approx(J.dot(rows.J_j.col(c).cast<double>())));
+      CHECK(H(clock, frame_dim + c) == 0);
+    }
+  }
+}

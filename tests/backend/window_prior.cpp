@@ -24,7 +24,7 @@ template <class S, class Layout>
 struct Scene {
   static constexpr int frame_dim = Layout::dim, at_extrinsics = slots * frame_dim,
                        extrinsics_dim = state::Extrinsics::dim;
-  static constexpr int dim = at_extrinsics + (has_extrinsics<Layout> ? extrinsics_dim : 0);
+  static constexpr int at_time_offset = at_extrinsics + extrinsics_dim, dim = at_extrinsics + RigLayout<Layout>::dim;
   using Window = FrameWindow<S, Layout, slots>;
   using Prior = WindowPrior<Window, max_rows, max_columns>;
   using Equations = NormalEquations<double, frame_dim, slots + (has_extrinsics<Layout> ? 1 : 0)>;
@@ -46,6 +46,7 @@ struct Scene {
     if constexpr (has_extrinsics<Layout>) {
       window.estimate_extrinsics(
           SE3<S>(SO3<S>::exp(noise.vector<3>().template cast<S>()), noise.vector<3>().template cast<S>()));
+      window.estimate_time_offset(0.02);
     }
   }
 
@@ -74,6 +75,7 @@ struct Scene {
     }
     if constexpr (has_extrinsics<Layout>) {
       e.segment<extrinsics_dim>(at_extrinsics) = window.extrinsics().correction().template cast<double>();
+      e[at_time_offset] = window.time_offset().correction()[0];
     }
     return e;
   }
@@ -98,11 +100,12 @@ struct Scene {
   template <int Rows>
   void add_link(int i, int j) {
     const Mat<S, Rows, frame_dim> J_i = random<S, Rows, frame_dim>(), J_j = random<S, Rows, frame_dim>();
-    const Vec<S, Rows> r = random<S, Rows, 1>();
-    prior.add_link(i, J_i, j, J_j, r);
+    const Vec<S, Rows> J_clock = random<S, Rows, 1>(), r = random<S, Rows, 1>();
+    prior.add_link(i, J_i, j, J_j, J_clock, r);
     Dense J = Dense::Zero(Rows, dim);
     J.middleCols<frame_dim>(i * frame_dim) = J_i.template cast<double>();
     J.middleCols<frame_dim>(j * frame_dim) = J_j.template cast<double>();
+    if constexpr (has_time_offset<Layout>) J.col(at_time_offset) = J_clock.template cast<double>();
     append(J, r.template cast<double>() - J * corrections());
   }
   /// Rows at the current state, of a landmark that `anchor` holds and all others see.
@@ -287,7 +290,7 @@ TEMPLATE_LIST_TEST_CASE("window_prior: rows that are no numbers are lost, and wi
   Mat<S, 2, frame_dim> J;
   J.setConstant(std::numeric_limits<S>::quiet_NaN());
   const auto A = scene.A;
-  scene.prior.add_link(2, J, 3, J, Vec<S, 2>(Vec<S, 2>::Zero()));
+  scene.prior.add_link(2, J, 3, J, Vec<S, 2>(Vec<S, 2>::Zero()), Vec<S, 2>(Vec<S, 2>::Zero()));
   scene.retire(2);
   scene.A = A;  // frame 2 was unknown before: all stays as it is
   scene.require_same();

@@ -71,9 +71,10 @@ struct Rows {
 template <class S>
 std::vector<Rows> rows_of(const Chain<S>& chain, int touching = -1) {
   std::vector<Rows> out;
-  chain.links->for_each_row(chain.window, touching, [&](int i, const auto&, int j, const auto&, const auto& r) {
-    out.push_back({i, j, int(r.size()), double(r.squaredNorm()) / 2});
-  });
+  chain.links->for_each_row(chain.window, touching,
+                            [&](int i, const auto&, int j, const auto&, const auto&, const auto& r) {
+                              out.push_back({i, j, int(r.size()), double(r.squaredNorm()) / 2});
+                            });
   return out;
 }
 double cost_of(const std::vector<Rows>& rows) {
@@ -89,33 +90,35 @@ void require_jacobians(bool at_rest, double tolerance) {
     const Chain<S> chain(seed, 0.05, at_rest, 1);
     const Chain<double> exact(seed, 0.05, at_rest, 1);
     std::vector<int> seen;
-    chain.links->for_each_row(chain.window, -1, [&](int i, const auto& J_i, int j, const auto& J_j, const auto& r) {
-      constexpr int rows = std::remove_cvref_t<decltype(r)>::RowsAtCompileTime;
-      seen.push_back(rows);
-      // The same rows in double, with one of the frames somewhere else.
-      const auto residual = [&](int moved, const NavState<double>& x) {
-        Window<double> window = exact.window;
-        window.state(moved) = typename Window<double>::State(x);
-        Vec<double, rows> out;
-        out.setConstant(std::nan(""));
-        exact.links->for_each_row(window, -1, [&](int a, const auto&, int b, const auto&, const auto& at_x) {
-          if constexpr (std::is_same_v<std::remove_cvref_t<decltype(at_x)>, Vec<double, rows>>) {
-            if (a == i && b == j) out = at_x;
-          }
+    chain.links->for_each_row(
+        chain.window, -1, [&](int i, const auto& J_i, int j, const auto& J_j, const auto&, const auto& r) {
+          constexpr int rows = std::remove_cvref_t<decltype(r)>::RowsAtCompileTime;
+          seen.push_back(rows);
+          // The same rows in double, with one of the frames somewhere else.
+          const auto residual = [&](int moved, const NavState<double>& x) {
+            Window<double> window = exact.window;
+            window.state(moved) = typename Window<double>::State(x);
+            Vec<double, rows> out;
+            out.setConstant(std::nan(""));
+            exact.links->for_each_row(
+                window, -1, [&](int a, const auto&, int b, const auto&, const auto&, const auto& at_x) {
+                  if constexpr (std::is_same_v<std::remove_cvref_t<decltype(at_x)>, Vec<double, rows>>) {
+                    if (a == i && b == j) out = at_x;
+                  }
+                });
+            return out;
+          };
+          const auto error = [&](const auto& J, int moved) {
+            return testing::jacobian_error(
+                J, [&](const NavState<double>& x) { return residual(moved, x); },
+                exact.window[moved].state.first_estimate());
+          };
+          CAPTURE(seed, i, j, rows);
+          CHECK(error(J_i, i) < tolerance);
+          CHECK(error(J_j, j) < tolerance);
+          CHECK((r.template cast<double>() - residual(i, exact.window[i].state.value())).norm() <
+                100 * tolerance * (1 + double(r.norm())));
         });
-        return out;
-      };
-      const auto error = [&](const auto& J, int moved) {
-        return testing::jacobian_error(
-            J, [&](const NavState<double>& x) { return residual(moved, x); },
-            exact.window[moved].state.first_estimate());
-      };
-      CAPTURE(seed, i, j, rows);
-      CHECK(error(J_i, i) < tolerance);
-      CHECK(error(J_j, j) < tolerance);
-      CHECK((r.template cast<double>() - residual(i, exact.window[i].state.value())).norm() <
-            100 * tolerance * (1 + double(r.norm())));
-    });
     CHECK(seen.size() == (at_rest ? 4u : 2u));
   }
 }
@@ -134,13 +137,14 @@ TEST_CASE("inertial_links: Jacobians stay at the first estimates, residuals go o
   std::vector<Mat<double, dim, dim>> before;
   const auto collect = [&](std::vector<Mat<double, dim, dim>>& out) {
     out.clear();
-    chain.links->for_each_row(chain.window, -1, [&](int, const auto& J_i, int, const auto& J_j, const auto&) {
-      Mat<double, dim, dim> both = Mat<double, dim, dim>::Zero();
-      both.topRows(J_i.rows()) = J_i;
-      out.push_back(both);
-      both.topRows(J_j.rows()) = J_j;
-      out.push_back(both);
-    });
+    chain.links->for_each_row(chain.window, -1,
+                              [&](int, const auto& J_i, int, const auto& J_j, const auto&, const auto&) {
+                                Mat<double, dim, dim> both = Mat<double, dim, dim>::Zero();
+                                both.topRows(J_i.rows()) = J_i;
+                                out.push_back(both);
+                                both.topRows(J_j.rows()) = J_j;
+                                out.push_back(both);
+                              });
   };
   collect(before);
   const double cost = chain.links->cost(chain.window);
@@ -177,9 +181,10 @@ TEST_CASE("inertial_links: without errors there is no cost, and linearized rows 
   Vec<double, slots* dim> e = Vec<double, slots * dim>::Zero();
   for (const int k : chain.slot) e.segment<dim>(k * dim) = 1e-6 * noise.vector<dim>();
   double linear = 0;
-  chain.links->for_each_row(chain.window, -1, [&](int i, const auto& J_i, int j, const auto& J_j, const auto& r) {
-    linear += (r + J_i * e.segment<dim>(i * dim) + J_j * e.segment<dim>(j * dim)).squaredNorm() / 2;
-  });
+  chain.links->for_each_row(
+      chain.window, -1, [&](int i, const auto& J_i, int j, const auto& J_j, const auto&, const auto& r) {
+        linear += (r + J_i * e.segment<dim>(i * dim) + J_j * e.segment<dim>(j * dim)).squaredNorm() / 2;
+      });
   for (const int k : chain.slot) chain.window.state(k).add(e.segment<dim>(k * dim));
   CHECK(chain.links->cost(chain.window) == Approx(linear).epsilon(1e-3));
 }
@@ -188,31 +193,32 @@ TEST_CASE("inertial_links: rows of a standstill are those of ZeroMotion and Zero
   const Chain<double> chain(9, 0.02, true, 1);
   const InertialLinkOptions& options = chain.options;
   int links = 0;
-  chain.links->for_each_row(chain.window, -1, [&](int i, const auto& J_i, int j, const auto& J_j, const auto& r) {
-    constexpr int rows = std::remove_cvref_t<decltype(r)>::RowsAtCompileTime;
-    if constexpr (rows == ZeroMotion<double>::dim + ZeroVelocity<double>::dim) {
-      ++links;
-      const NavState<double> x_i = chain.window[i].state.value(), x_j = chain.window[j].state.value();
-      const NavState<double> x_i0 = chain.window[i].state.first_estimate(),
-                             x_j0 = chain.window[j].state.first_estimate();
-      const auto motion =
-          ZeroMotion<double>{}.linearize(x_i.T_world_body, x_j.T_world_body, x_i0.T_world_body, x_j0.T_world_body);
-      const auto velocity = ZeroVelocity<double>{}.linearize(x_j.v_world_body);
-      Vec<double, rows> w;
-      w << Vec<double, 3>::Constant(1 / options.rest_rotation_sigma),
-          Vec<double, 3>::Constant(1 / options.rest_position_sigma),
-          Vec<double, 3>::Constant(1 / options.rest_velocity_sigma);
-      Mat<double, rows, dim> expected_i = Mat<double, rows, dim>::Zero(), expected_j = expected_i;
-      expected_i.template topLeftCorner<6, 6>() = motion.J_r_i;
-      expected_j.template topLeftCorner<6, 6>() = motion.J_r_j;
-      expected_j.template block<3, 3>(6, InertialLayout::offset<state::Velocity>) = velocity.J_r_v;
-      Vec<double, rows> expected;
-      expected << motion.r, velocity.r;
-      CHECK((J_i - w.asDiagonal() * expected_i).norm() < 1e-9 * J_i.norm());
-      CHECK((J_j - w.asDiagonal() * expected_j).norm() < 1e-9 * J_j.norm());
-      CHECK((r - w.cwiseProduct(expected)).norm() < 1e-9 * r.norm());
-    }
-  });
+  chain.links->for_each_row(
+      chain.window, -1, [&](int i, const auto& J_i, int j, const auto& J_j, const auto&, const auto& r) {
+        constexpr int rows = std::remove_cvref_t<decltype(r)>::RowsAtCompileTime;
+        if constexpr (rows == ZeroMotion<double>::dim + ZeroVelocity<double>::dim) {
+          ++links;
+          const NavState<double> x_i = chain.window[i].state.value(), x_j = chain.window[j].state.value();
+          const NavState<double> x_i0 = chain.window[i].state.first_estimate(),
+                                 x_j0 = chain.window[j].state.first_estimate();
+          const auto motion =
+              ZeroMotion<double>{}.linearize(x_i.T_world_body, x_j.T_world_body, x_i0.T_world_body, x_j0.T_world_body);
+          const auto velocity = ZeroVelocity<double>{}.linearize(x_j.v_world_body);
+          Vec<double, rows> w;
+          w << Vec<double, 3>::Constant(1 / options.rest_rotation_sigma),
+              Vec<double, 3>::Constant(1 / options.rest_position_sigma),
+              Vec<double, 3>::Constant(1 / options.rest_velocity_sigma);
+          Mat<double, rows, dim> expected_i = Mat<double, rows, dim>::Zero(), expected_j = expected_i;
+          expected_i.template topLeftCorner<6, 6>() = motion.J_r_i;
+          expected_j.template topLeftCorner<6, 6>() = motion.J_r_j;
+          expected_j.template block<3, 3>(6, InertialLayout::offset<state::Velocity>) = velocity.J_r_v;
+          Vec<double, rows> expected;
+          expected << motion.r, velocity.r;
+          CHECK((J_i - w.asDiagonal() * expected_i).norm() < 1e-9 * J_i.norm());
+          CHECK((J_j - w.asDiagonal() * expected_j).norm() < 1e-9 * J_j.norm());
+          CHECK((r - w.cwiseProduct(expected)).norm() < 1e-9 * r.norm());
+        }
+      });
   CHECK(links == 2);
 }
 
@@ -327,4 +333,94 @@ TEST_CASE("inertial_links: an increment without readings has no weight, and no r
   CHECK(rows_of(chain).size() == 1);
   CHECK(std::isfinite(chain.links->cost(chain.window)));
   CHECK(std::isfinite(chain.links->disagreement(chain.window)));
+}
+
+namespace {
+
+/// As `Chain`, each frame cut by another time offset; the window has that of the last one, and `d` more.
+template <class S>
+struct ShiftedChain : Chain<S> {
+  using Chain<S>::links, Chain<S>::window, Chain<S>::slot;
+  static constexpr double cuts_s[] = {-0.02, 0.015, 0.03};
+
+  explicit ShiftedChain(std::uint64_t seed, double error = 0.05) : Chain<S>(seed, error, false, 1) {
+    testing::Gaussian noise(seed + 2000);
+    std::array<ReadingCut<S>, 3> cuts;
+    for (std::size_t k = 0; k < 3; ++k) cuts[k] = {cuts_s[k], noise.vector<3>().template cast<S>()};
+    for (std::size_t k = 1; k < 3; ++k) {
+      InertialLink<S> link{slot[k - 1], links->increment(slot[k]), false, false, cuts[k - 1], cuts[k]};
+      links->insert(slot[k], window[slot[k]].state.value(), link);
+    }
+    window.estimate_time_offset(cuts_s[2]);
+  }
+  /// take(i, J_i, j, J_j, J_clock, r) of the increments.
+  void for_each_increment(const Window<S>& at, auto&& take) const {
+    links->for_each_row(at, -1,
+                        [&](int i, const auto& J_i, int j, const auto& J_j, const auto& J_clock, const auto& r) {
+                          if constexpr (std::is_same_v<std::remove_cvref_t<decltype(r)>, Vec<S, 15>>)
+                            take(i, J_i, j, J_j, J_clock, r);
+                        });
+  }
+  /// All their rows, with another time offset.
+  std::vector<Vec<double, 15>> residuals(double d) const {
+    Window<S> moved = window;
+    moved.estimate_time_offset(cuts_s[2] + d);
+    std::vector<Vec<double, 15>> out;
+    for_each_increment(moved, [&](int, const auto&, int, const auto&, const auto&, const auto& r) {
+      out.push_back(r.template cast<double>());
+    });
+    return out;
+  }
+};
+
+template <class S>
+void require_clock_jacobian(double tolerance) {
+  for (std::uint64_t seed = 1; seed < 8; ++seed) {
+    const ShiftedChain<S> chain(seed);
+    const ShiftedChain<double> exact(seed);
+    const double step = 1e-5;
+    const auto before = exact.residuals(-step), after = exact.residuals(step);
+    std::size_t n = 0;
+    chain.for_each_increment(chain.window, [&](int, const auto&, int, const auto&, const auto& J, const auto&) {
+      const Vec<double, 15> numeric = (after[n] - before[n]) / (2 * step);
+      CAPTURE(seed, n);
+      CHECK((J.template cast<double>() - numeric).norm() < tolerance * numeric.norm());
+      ++n;
+    });
+    REQUIRE(n == 2);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("inertial_links: rows have the Jacobian by the camera's clock") { require_clock_jacobian<double>(1e-6); }
+TEST_CASE("inertial_links: the same by the clock in float") { require_clock_jacobian<float>(2e-3); }
+
+TEST_CASE("inertial_links: a frame cut at another time has the Jacobians of its residuals") {
+  for (std::uint64_t seed = 1; seed < 8; ++seed) {
+    const ShiftedChain<double> chain(seed);
+    std::size_t n = 0;
+    chain.for_each_increment(
+        chain.window, [&](int i, const auto& J_i, int j, const auto& J_j, const auto&, const auto&) {
+          const auto error = [&](const auto& J, int moved) {
+            const auto residual = [&](const NavState<double>& x) {
+              ShiftedChain<double> other(seed);
+              other.window.state(moved) = Window<double>::State(x);
+              return other.residuals(0)[n];
+            };
+            return testing::jacobian_error(J, residual, chain.window[moved].state.first_estimate());
+          };
+          CAPTURE(seed, i, j);
+          CHECK(error(Mat<double, 15, 15>(J_i), i) < 1e-6);
+          CHECK(error(Mat<double, 15, 15>(J_j), j) < 1e-6);
+          ++n;
+        });
+    REQUIRE(n == 2);
+  }
+}
+
+TEST_CASE("inertial_links: cost and disagreement are those of the rows, whatever the clock") {
+  const ShiftedChain<double> chain(5);
+  CHECK(chain.links->cost(chain.window) == Approx(cost_of(rows_of<double>(chain))));
+  CHECK(chain.links->disagreement(chain.window) > 0);
 }

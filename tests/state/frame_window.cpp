@@ -101,11 +101,11 @@ TEST_CASE("frame_window: the latest frame is one of the window, or stands alone"
   REQUIRE(window.latest().T_world_body.p().x() == 2);
 }
 
-TEST_CASE("frame_window: a step moves every frame that is there, and the mount while that is estimated") {
+TEST_CASE("frame_window: a step moves every frame that is there, and the rig while that is estimated") {
   FrameWindow<double, InertialLayout, 3> window;
   for (int k = 0; k < 3; ++k) window.insert(k, {pose(k)});
   window.remove(1);
-  Vec<double, 3 * 15 + 6> step;
+  Vec<double, 3 * 15 + 7> step;
   for (int k = 0; k < step.size(); ++k) step[k] = 0.01 * (k + 1);
   const SE3<double> given = pose(4);
   window.move(step);
@@ -115,14 +115,25 @@ TEST_CASE("frame_window: a step moves every frame that is there, and the mount w
   }
   CHECK_FALSE(window.estimates_extrinsics());
   CHECK(minus(window.T_body_cam(given), given).norm() == 0);
+  CHECK(window.time_offset_s(0.3) == 0.3);
 
   window.estimate_extrinsics(pose(5));
   CHECK(minus(window.T_body_cam(given), pose(5)).norm() == 0);
   window.move(step);
-  const Vec<double, 6> e = step.tail<6>();
+  const Vec<double, 6> e = step.segment<6>(3 * 15);
   CHECK(minus(window.T_body_cam(given), plus(pose(5), e)).norm() < 1e-12);
   CHECK((window.extrinsics().correction() - e).norm() == 0);
   CHECK(minus(window.extrinsics().first_estimate(), pose(5)).norm() == 0);
+
+  CHECK_FALSE(window.estimates_time_offset());
+  window.estimate_time_offset(-0.05);
+  CHECK(window.time_offset_s(0.3) == -0.05);
+  window.move(step);
+  CHECK(window.time_offset().correction()[0] == step[3 * 15 + 6]);
+  CHECK(window.time_offset_s(0.3) == -0.05 + step[3 * 15 + 6]);
+  CHECK(window.time_offset().first_estimate()[0] == -0.05);
+  CHECK((window.extrinsics().correction() - 2 * e).norm() < 1e-15);
   window.clear();
   CHECK(minus(window.T_body_cam(given), given).norm() == 0);
+  CHECK(window.time_offset_s(0.3) == 0.3);
 }

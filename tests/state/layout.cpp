@@ -36,3 +36,11 @@ TEST_CASE("layout: a frame of a rig with an IMU has the order of NavState's erro
   STATIC_REQUIRE(InertialLayout::offset<state::AccelBias> == X::accel_bias);
   STATIC_REQUIRE(VisualLayout::dim == state::Pose::dim);
 }
+
+TEST_CASE("layout: mount and clock of a camera are estimated on a body that readings move") {
+  STATIC_REQUIRE(RigLayout<VisualLayout>::dim == 0);
+  STATIC_REQUIRE_FALSE(has_extrinsics<VisualLayout>);
+  STATIC_REQUIRE_FALSE(has_time_offset<VisualLayout>);
+  STATIC_REQUIRE(has_extrinsics<InertialLayout>);
+  STATIC_REQUIRE(has_time_offset<InertialLayout>);
+}

@@ -3,7 +3,7 @@
 
 cmake_minimum_required(VERSION 3.25)
 
-set(parts Imu Preintegration InertialLinks AlignmentWindow InverseDepthMeasurement DepthSensor LineKind EdgeFollowing
+set(parts Imu Preintegration InertialLinks CameraClock ClockShift AlignmentWindow InverseDepthMeasurement DepthSensor LineKind EdgeFollowing
   LineTracker CollinearKind CollinearSegments CollinearTerms RollingShutter ReadoutFilter ReadoutTime)
 
 foreach(object BARE FULL)

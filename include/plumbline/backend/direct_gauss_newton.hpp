@@ -49,8 +49,9 @@ class DirectBackend {
     return slot;
   }
   template <int Rows>
-  void restart(auto&& state_of, const Mat<double, Rows, Layout::dim>& J_rest, const SE3<S>& T_body_cam) {
-    bundle_.restart(state_of, J_rest, T_body_cam);
+  void restart(auto&& state_of, const Mat<double, Rows, Layout::dim>& J_rest, const SE3<S>& T_body_cam,
+               const ClockBelief& clock = {}) {
+    bundle_.restart(state_of, J_rest, T_body_cam, clock);
   }
   void hold_distance(int i, int j, double sigma) { bundle_.hold_distance(i, j, sigma); }
   void hold_scale(int i, int j) { bundle_.hold_scale(i, j); }
@@ -85,6 +86,9 @@ class DirectBackend {
   }
   bool covariance_of_extrinsics(Mat<double, 6, 6>& covariance) const requires has_extrinsics<Layout> {
     return bundle_.covariance_of_extrinsics(covariance);
+  }
+  bool sigma_of_time_offset(double& sigma_s) const requires has_time_offset<Layout> {
+    return bundle_.sigma_of_time_offset(sigma_s);
   }
 
  private:

@@ -73,7 +73,7 @@ class FrameSolve {
       system.add(features);
       add_rest(window.state(slot).correction() - before.correction(), S(options.sigma_rest), system);
       add_keyframe(window.state(keyframe_).correction() - keyframe_before.correction(), system);
-      links.for_each_row(window, slot, [&](int i, const auto& J_i, int j, const auto& J_j, const auto& r) {
+      links.for_each_row(window, slot, [&](int i, const auto& J_i, int j, const auto& J_j, const auto&, const auto& r) {
         if (j == slot && i == keyframe_) add_link(J_i, J_j, r, system);
       });
       Vec<S, System::dim> d;

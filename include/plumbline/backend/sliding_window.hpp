@@ -12,7 +12,7 @@
 #include <type_traits>
 
 #include "plumbline/backend/backend.hpp"
-#include "plumbline/backend/extrinsics_prior.hpp"
+#include "plumbline/backend/rig_prior.hpp"
 #include "plumbline/backend/window_equations.hpp"
 #include "plumbline/backend/window_prior.hpp"
 #include "plumbline/core/matrix.hpp"
@@ -23,6 +23,7 @@
 #include "plumbline/map/retired.hpp"
 #include "plumbline/motion/motion_model.hpp"
 #include "plumbline/solver/levenberg_marquardt.hpp"
+#include "plumbline/state/clock_belief.hpp"
 #include "plumbline/state/frame_window.hpp"
 
 namespace plumbline {
@@ -34,6 +35,7 @@ struct WindowOptions {
   double sigma_first_position = 1e-3;  ///< [m]
   double sigma_first_scale = 1e-3;     ///< of the distance of the first two keyframes where it is the unit, relative
   ExtrinsicsOptions extrinsics;        ///< of the camera on a body with an IMU
+  TimeOffsetOptions time_offset;       ///< of its clock
 };
 
 template <MotionModel Motion, class LandmarksT, int K>
@@ -49,7 +51,8 @@ class WindowBackend {
   using Window = FrameWindow<S, Layout, K>;
   using Options = WindowOptions;
 
-  WindowBackend(const Options& options, const typename Motion::Options& motion) : options_(options), links_(motion) {}
+  WindowBackend(const Options& options, const typename Motion::Options& motion)
+      : options_(options), links_(motion), known_(options.extrinsics, options.time_offset) {}
 
   const Window& window() const { return window_; }
   Window& window() { return window_; }
@@ -72,11 +75,12 @@ class WindowBackend {
     return slot;
   }
 
-  /// The same frames as if they had just begun, frame k with the state `state_of(k)`: no prior but the position and
-  /// heading of the oldest one and `J_rest`, rows on the rest of its state. From now on their links take part, and
-  /// where the camera sits is estimated.
+  /// The same frames as if they had just begun, frame k with the state `state_of(k)`: no prior but position and heading
+  /// of the oldest one and `J_rest`, rows on the rest of its state. From now on their links take part, and the rig is
+  /// estimated: where the camera sits, and how its clock goes unless it is known.
   template <int Rows>
-  void restart(auto&& state_of, const Mat<double, Rows, Layout::dim>& J_rest, const SE3<S>& T_body_cam) {
+  void restart(auto&& state_of, const Mat<double, Rows, Layout::dim>& J_rest, const SE3<S>& T_body_cam,
+               const ClockBelief& clock = {}) {
     for (int k = 0; k < K; ++k) {
       if (window_[k].used) window_.state(k) = typename Window::State(state_of(k));
     }
@@ -96,7 +100,7 @@ class WindowBackend {
       for (int c = 0; c < Layout::dim; ++c) J(place_rows + k, c) = J_rest(k, c);
     }
     set_prior(oldest, J);
-    window_.estimate_extrinsics(T_body_cam);
+    known_.begin(window_, T_body_cam, clock);
   }
 
   /// The distance between two frames is what it is, with a sigma [m].
@@ -152,9 +156,7 @@ class WindowBackend {
     map.retire(Retired<State, Landmarks>(slot, window_[slot], landmarks));
     linearize_views(T_body_cam);
     prior_.begin_retirement(window_);
-    links_.for_each_row(window_, slot, [&](int i, const auto& J_i, int j, const auto& J_j, const auto& r) {
-      prior_.add_link(i, J_i, j, J_j, r);
-    });
+    links_.for_each_row(window_, slot, [&](const auto&... row) { prior_.add_link(row...); });
     links_.remove(slot);
     landmarks.for_each_with(terms_, [&](auto& store, auto& terms) {
       terms.for_each_leaving(slot, rig, store, window_, views_,
@@ -172,7 +174,11 @@ class WindowBackend {
   }
   /// Of where the camera sits, right increments; false when it is not estimated.
   bool covariance_of_extrinsics(Mat<double, 6, 6>& covariance) const requires has_extrinsics<Layout> {
-    return window_.estimates_extrinsics() && equations_.covariance(equations_.extrinsics, covariance);
+    return window_.estimates_extrinsics() && equations_.covariance(equations_.rig, covariance);
+  }
+  /// Of its clock's offset [s]; false when it is not estimated.
+  bool sigma_of_time_offset(double& sigma_s) const requires has_time_offset<Layout> {
+    return window_.estimates_time_offset() && equations_.sigma_of_time_offset(sigma_s);
   }
 
  private:
@@ -217,8 +223,7 @@ class WindowBackend {
       });
       if (!eliminated) return false;
       self.ties_.eliminate(landmarks, self.terms_, self.equations_.pairs, self.equations_.normal);
-      if constexpr (has_extrinsics<Layout>)
-        self.equations_.add_extrinsics(self.window_, ExtrinsicsPrior(self.options_.extrinsics));
+      self.known_.add_to(self.window_, self.equations_);
       self.equations_.add_known(self.window_, self.prior_, self.links_);
       return true;
     }
@@ -251,14 +256,7 @@ class WindowBackend {
     }
   };
 
-  double cost_of_frames() const {
-    double cost = prior_.cost(window_) + links_.cost(window_);
-    if constexpr (has_extrinsics<Layout>) {
-      const ExtrinsicsPrior known(options_.extrinsics);
-      if (window_.estimates_extrinsics()) cost += known.cost(cast_to<double>(window_.extrinsics().correction()));
-    }
-    return cost;
-  }
+  double cost_of_frames() const { return prior_.cost(window_) + links_.cost(window_) + known_.cost(window_); }
 
   void linearize_views(const SE3<S>& T_body_cam) {
     views_.update(window_, T_body_cam);
@@ -281,6 +279,7 @@ class WindowBackend {
   [[no_unique_address]] Links links_;
   WindowViews<S, K> views_;
   PriorOfAll prior_;
+  [[no_unique_address]] RigPrior<Layout> known_;
   WindowEquations<Window> equations_;
   AllTerms terms_;
   [[no_unique_address]] LandmarkTies<Landmarks> ties_;

@@ -1,6 +1,6 @@
 #pragma once
 /// What is known of the frames of a window besides their rows: r0 + J0 e, e the corrections of all of them, by slot,
-/// and that of the camera's mount.                                                            docs/math/window.md
+/// and those of the camera's mount and clock.                                                 docs/math/window.md
 /// The prior keeps columns for every slot; those of free slots, and of frames that it knows nothing of, are zero.
 
 #include "plumbline/core/assert.hpp"
@@ -18,8 +18,9 @@ template <class Window, int max_rows, int max_columns>
 class WindowPrior {
  public:
   static constexpr int frame_dim = Window::Layout::dim, extrinsics_dim = state::Extrinsics::dim;
-  static constexpr int at_extrinsics = Window::slots * frame_dim;  ///< its first column
-  static constexpr int dim = at_extrinsics + (has_extrinsics<typename Window::Layout> ? extrinsics_dim : 0);
+  using Rig = RigLayout<typename Window::Layout>;
+  static constexpr int at_rig = Window::slots * frame_dim;  ///< its first column
+  static constexpr int at_extrinsics = at_rig, at_time_offset = at_rig + extrinsics_dim, dim = at_rig + Rig::dim;
   using Vector = Vec<double, dim>;
   using Adjoint = Mat<double, extrinsics_dim, extrinsics_dim>;
 
@@ -102,10 +103,10 @@ class WindowPrior {
     }
   }
 
-  /// Rows of a link between two frames, at the current state.
+  /// Rows of a link between two frames, at the current state, also by the camera's clock.
   template <class S, int Rows>
   void add_link(int i, const Mat<S, Rows, frame_dim>& J_i, int j, const Mat<S, Rows, frame_dim>& J_j,
-                const Vec<S, Rows>& r) {
+                const Vec<S, Rows>& J_clock, const Vec<S, Rows>& r) {
     Vec<double, Rows> r0;
     for (int k = 0; k < Rows; ++k) {  // the prior's residual belongs to e = 0
       r0[k] = double(r[k]);
@@ -113,7 +114,12 @@ class WindowPrior {
         r0[k] -= double(J_i(k, c)) * e_[i * frame_dim + c] + double(J_j(k, c)) * e_[j * frame_dim + c];
       }
     }
-    marginalizer_.add_rows(J_i, i * frame_dim, J_j, j * frame_dim, r0);
+    if constexpr (has_time_offset<typename Window::Layout>) {
+      for (int k = 0; k < Rows; ++k) r0[k] -= double(J_clock[k]) * e_[at_time_offset];
+      marginalizer_.add_rows(J_i, i * frame_dim, J_j, j * frame_dim, J_clock, at_time_offset, r0);
+    } else {
+      marginalizer_.add_rows(J_i, i * frame_dim, J_j, j * frame_dim, r0);
+    }
   }
 
   /// Rows of one landmark, at the current state; it goes as well.
@@ -174,6 +180,7 @@ class WindowPrior {
     if constexpr (has_extrinsics<typename Window::Layout>) {
       for (int c = 0; window.estimates_extrinsics() && c < extrinsics_dim; ++c)
         e[at_extrinsics + c] = double(window.extrinsics().correction()[c]);
+      if (window.estimates_time_offset()) e[at_time_offset] = window.time_offset().correction()[0];
     }
     return e;
   }

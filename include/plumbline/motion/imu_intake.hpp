@@ -49,6 +49,18 @@ class ImuIntake {
   /// Whether the readings since the last frame say nothing about the translation.
   bool blind() const { return missing() || coverage_.saturated_s > 0; }
 
+  /// Mean of the last readings that were integrated [rad/s]; zero when there is none.
+  Vec<S, 3> latest_gyro(double duration_s) const {
+    Vec<S, 3> sum = zeros<S, 3>();
+    S t = S(0);
+    const auto& intervals = since_frame_.intervals();
+    for (std::size_t k = intervals.size(); k > 0 && t < S(duration_s); --k) {
+      sum += intervals[k - 1].dt * intervals[k - 1].mean_gyro();
+      t += intervals[k - 1].dt;
+    }
+    return t > S(0) ? Vec<S, 3>(sum / t) : sum;
+  }
+
   const ImuBuffer<>& buffer() const { return buffer_; }
   /// A time of the camera on the IMU's clock.
   TimeNs time_of(TimeNs t_ns) const { return t_ns + static_cast<TimeNs>(camera_time_offset_s_ * 1e9); }

@@ -14,37 +14,17 @@
 #include "plumbline/feature/view.hpp"
 #include "plumbline/imu/standstill.hpp"
 #include "plumbline/lie/plus.hpp"
+#include "plumbline/motion/camera_clock.hpp"
 #include "plumbline/motion/imu_intake.hpp"
 #include "plumbline/motion/inertial_links.hpp"
+#include "plumbline/motion/inertial_options.hpp"
 #include "plumbline/motion/motion_model.hpp"
 #include "plumbline/sensor/rig.hpp"
 #include "plumbline/state/camera_imu_filter.hpp"
+#include "plumbline/state/clock_belief.hpp"
 #include "plumbline/state/frame_state.hpp"
 
 namespace plumbline {
-
-struct InertialOptions : InertialLinkOptions {
-  double gyro_inflation = 2;  ///< of the calibrated densities: vibration, scale and alignment errors
-  double accel_inflation = 5;
-  double walk_inflation = 2;
-  double velocity_sigma = 0.1;    ///< of the velocity that predicts a frame, where the window does not tell [m/s]
-  double velocity_doubt = 3;      ///< the window's own is so much too small
-  double rotation_sigma = 5e-3;   ///< of the rotation since the last frame, beside the gyroscope's noise [rad]
-  double max_vote = 2;            ///< no pose farther from the prediction is taken where a nearer one has votes [sigma]
-  double max_innovation = 8;      ///< of a frame's pose by its images against the readings [sigma]
-  double max_rate_error = 0.025;  ///< of the gyroscope against the images: more is another bias [rad/s]
-  double rate_error_s = 0.3;      ///< mean over so long
-  double rate_error_sigmas = 12;  ///< and so many sigma of that mean
-  double rate_s = 0.01;           ///< the body's angular rate while an image is exposed: mean of readings over so long
-  double jump_settles_s = 3;      ///< readings are in doubt for so long
-  double max_disagreement = 6;    ///< of readings and images, see InertialLinks; about 2 on a vibrating drone
-  double rest_motion_px = 0.5;    ///< landmarks that moved less since the last keyframe do not contradict a standstill
-  double rest_check_s = 0.3;      ///< they are watched for so long
-  double rest_hysteresis = 2;     ///< limits are this much wider for a body at rest
-  double max_rest_link_s = 2;     ///< a standstill goes on for ever, its readings are of use for so long
-  StandstillOptions standstill;
-  CameraImuOptions camera_imu;
-};
 
 template <SensorRig SensorsT>
 class Inertial {
@@ -66,22 +46,24 @@ class Inertial {
         imu_(rig.imu, inflated(rig.imu.noise, options)),
         since_keyframe_(imu_.since(State{})),
         camera_imu_(options.camera_imu),
+        clock_(rig.imu.camera_time_offset_s),
         velocity_sigma_(options.velocity_sigma) {}
 
   const Options& options() const { return options_; }
   ImuIntake<S>& imu() { return imu_; }
   const ImuIntake<S>& imu() const { return imu_; }
 
-  /// What was found out about camera and IMU is in force from the next frame on, the extrinsics until all begins anew:
-  /// where an estimate went wrong, so may they have. Returns the camera's time offset [s].
+  /// What was found out about camera and IMU is in force from the next frame on; what the window found until all begins
+  /// anew: where an estimate went wrong, so may they have. Returns the camera's time offset [s].
   double calibrate(auto& rig, const auto& window) {
     const SE3<S>& T_body_cam = window.T_body_cam(T_body_cam_calibrated_);
     const SO3<S> turned = T_body_cam.rotation() * rig.T_body_cam().rotation().inverse();
     camera_imu_.turn_mount(cast_to<double>(turned.log()));
     rig.set_T_body_cam(T_body_cam);
-    rig.set_time_offset(rig.time_offset_s() + camera_imu_.take_time_offset(is_metric_));
-    imu_.set_camera_time_offset(rig.time_offset_s());
-    return rig.time_offset_s();
+    clock_.calibrate(camera_imu_, window, is_metric_, options_.camera_imu.max_step_s);
+    rig.set_time_offset(clock_.offset_s());
+    imu_.set_camera_time_offset(clock_.offset_s());
+    return clock_.offset_s();
   }
   void begin_frame(TimeNs t_ns, const State* latest, S dt) {
     if (latest) {
@@ -93,6 +75,7 @@ class Inertial {
       angular_rate_ = latest_rate(latest->bias_gyro, dt);
       at_rest_ = at_rest_ && seems_at_rest(t_ns);
     }
+    clock_.set_gyro(imu_.latest_gyro(options_.rate_s));
     imu_.begin_frame(t_ns);
   }
   /// Vision alone has no use for the lever arm: its body is the camera, turned. (Without depth it has another unit.)
@@ -109,7 +92,7 @@ class Inertial {
                               view.T_world_previous.p() + view.dt * latest.v_world_body);
       return {x, {}};
     }
-    Prediction<State, S> out{latest, {true}};
+    Prediction<State, S> out{clock_.at_cut(latest), {true}};
     if (at_rest_) set_zero(out.state.v_world_body);
     if (!imu_.blind()) {
       out.state = increment.predict(out.state, gravity_);
@@ -168,6 +151,7 @@ class Inertial {
   /// In a world of its own: what is kept are the biases.
   State restart(const State& latest) {
     is_metric_ = false;
+    clock_.forget_window(camera_imu_);
     camera_imu_.forget_world();
     State x = latest;
     x.T_world_body = {};
@@ -176,6 +160,11 @@ class Inertial {
   }
 
   const CameraImuFilter& camera_imu() const { return camera_imu_; }
+  /// The camera's, as it is known before frames and readings are solved for together.
+  ClockBelief clock() const {
+    return {clock_.offset_s(), camera_imu_.clock_is_wrong() ? camera_imu_.time_offset_sigma() : 0,
+            !(options_.camera_imu.time_offset_sigma_s > 0)};
+  }
 
   /// Whether scale, gravity, velocities and biases are known.
   bool is_metric() const { return is_metric_; }
@@ -186,9 +175,12 @@ class Inertial {
   }
   bool ties_frames() const { return is_metric_; }
 
-  Link link(int keyframe) const { return {keyframe, since_keyframe_, at_rest_, jumped_since_keyframe_}; }
+  Link link(int keyframe) const {
+    return {keyframe, since_keyframe_, at_rest_, jumped_since_keyframe_, clock_.keyframe(), clock_.cut()};
+  }
   void begin_link(const State& x) {
     since_keyframe_ = imu_.since(x);
+    clock_.begin_link();
     blind_since_keyframe_ = jumped_since_keyframe_ = false;
   }
   /// A link that was blind somewhere ends as soon as the readings are back: the next one tells the velocity. Readings
@@ -199,7 +191,10 @@ class Inertial {
     const bool long_enough = rested || link_s >= options_.rest_check_s;
     const bool resting = long_enough && look_for_rest(t_ns, motion_px);
     // The state at rest is that of the keyframe: readings before the last frame tell nothing more of what comes.
-    if (is_metric_ && rested && (!resting || link_s > options_.max_rest_link_s)) since_keyframe_ = imu_.since_frame();
+    if (is_metric_ && rested && (!resting || link_s > options_.max_rest_link_s)) {
+      since_keyframe_ = imu_.since_frame();
+      clock_.begin_link_before();
+    }
     if (resting) return false;
     const bool may_rest = is_metric_ && long_enough && rest_.at_rest();
     return needed || may_rest || ((blind_since_keyframe_ || jumped_since_keyframe_) && !imu_.blind());
@@ -227,18 +222,10 @@ class Inertial {
   const Vec<S, 3>& angular_rate() const { return angular_rate_; }
 
  private:
-  /// How the body turns now: the mean of the last readings, as a hand turns otherwise a frame ago [rad/s].
+  /// How the body turns now, by the last readings, as a hand turns otherwise a frame ago [rad/s].
   Vec<S, 3> latest_rate(const Vec<S, 3>& bias_gyro, S dt) const {
-    const auto& readings = imu_.since_frame();
-    Vec<S, 3> turned = zeros<S, 3>();
-    S duration = S(0);
-    for (std::size_t i = readings.intervals().size(); i > 0 && duration < S(options_.rate_s); --i) {
-      const ImuInterval<S>& interval = readings.intervals()[i - 1];
-      turned += interval.dt * interval.mean_gyro();
-      duration += interval.dt;
-    }
-    if (!(duration > S(0))) return readings.increment().delta.dR.log() / dt;
-    return turned / duration - bias_gyro;
+    if (imu_.since_frame().empty()) return imu_.since_frame().increment().delta.dR.log() / dt;
+    return imu_.latest_gyro(options_.rate_s) - bias_gyro;
   }
 
   /// How images and readings turn tells how camera and IMU stand to each other.
@@ -291,6 +278,7 @@ class Inertial {
   ImuIntake<S> imu_;
   Preintegration<S> since_keyframe_;
   CameraImuFilter camera_imu_;
+  CameraClock<S> clock_;
   Vec<S, 3> angular_rate_ = zeros<S, 3>();
   Vec<S, 3> rate_error_ = zeros<S, 3>();  ///< see look_for_jump [rad/s]
   S rate_variance_ = S(0);

@@ -10,6 +10,8 @@
 #include "plumbline/imu/gravity.hpp"
 #include "plumbline/imu/nav_state.hpp"
 #include "plumbline/imu/preintegration.hpp"
+#include "plumbline/motion/camera_clock.hpp"
+#include "plumbline/residual/clock_shift.hpp"
 #include "plumbline/residual/inertial.hpp"
 #include "plumbline/residual/zero_motion.hpp"
 #include "plumbline/state/estimated.hpp"
@@ -32,6 +34,7 @@ struct InertialLink {
   Preintegration<S> increment;  ///< since then
   bool at_rest = false;         ///< the body did not move since then
   bool jumped = false;          ///< the gyroscope's bias is another one since then
+  ReadingCut<S> begin, end;     ///< where its readings begin and end
 };
 
 template <class S, int Slots>
@@ -96,7 +99,8 @@ class InertialLinks {
     }
   }
 
-  /// Linearizes all links that touch `slot`, all of them for -1, and gives take(i, J_i, j, J_j, r) their whitened rows.
+  /// Linearizes all links that touch `slot`, all of them for -1, and gives take(i, J_i, j, J_j, J_clock, r) their
+  /// whitened rows, J_clock by the offset of the camera's clock.
   void for_each_row(const auto& window, int slot, auto&& take) const {
     for (int j = 0; active_ && j < Slots; ++j) {
       if (!linked(window, j)) continue;
@@ -106,11 +110,14 @@ class InertialLinks {
       const NavState<S> x_i = window[i].state.value(), x_j = window[j].state.value();
       const NavState<S> x_i0 = window[i].state.first_estimate(), x_j0 = window[j].state.first_estimate();
       if (weighted.valid) {
-        auto inertial =
-            InertialResidual<S>{weighted.link.increment.increment(), gravity_}.linearize(x_i, x_j, x_i0, x_j0);
+        const Ends at = ends(window, weighted.link);
+        auto inertial = InertialResidual<S>{weighted.link.increment.increment(), gravity_}.linearize(
+            at.begin(x_i), at.end(x_j), at.begin(x_i0), at.end(x_j0));
         if (inertial.valid) {
           inertial.whiten(weighted.L);
-          take(i, inertial.J_r_i, j, inertial.J_r_j, inertial.r);
+          const Vec<S, 15> by_begin = at.begin.pull_back(x_i0, inertial.J_r_i);
+          const Vec<S, 15> J_clock = by_begin + at.end.pull_back(x_j0, inertial.J_r_j);
+          take(i, inertial.J_r_i, j, inertial.J_r_j, J_clock, inertial.r);
         }
       }
       if (weighted.link.at_rest) take_rest(i, x_i, x_i0, j, x_j, x_j0, take);
@@ -124,7 +131,9 @@ class InertialLinks {
       const Weighted& weighted = links_[j];
       const NavState<S> x_i = window[weighted.link.previous].state.value(), x_j = window[j].state.value();
       if (weighted.valid) {
-        const Vec<S, 15> r = InertialResidual<S>{weighted.link.increment.increment(), gravity_}.residual(x_i, x_j);
+        const Ends at = ends(window, weighted.link);
+        const Vec<S, 15> r =
+            InertialResidual<S>{weighted.link.increment.increment(), gravity_}.residual(at.begin(x_i), at.end(x_j));
         sum += squared_norm(times(weighted.L, r)) / 2;
       }
       if (!weighted.link.at_rest) continue;
@@ -146,7 +155,9 @@ class InertialLinks {
     for (int j = 0; j < Slots; ++j) {
       if (!linked(window, j) || !links_[j].valid || !links_[j].judged) continue;
       const InertialResidual<S> inertial{links_[j].link.increment.increment(), gravity_};
-      const Vec<S, 15> r = inertial.residual(window[previous(j)].state.value(), window[j].state.value());
+      const Ends at = ends(window, links_[j].link);
+      const Vec<S, 15> r =
+          inertial.residual(at.begin(window[previous(j)].state.value()), at.end(window[j].state.value()));
       sum += squared_norm(times(links_[j].L, r));
       ++links;
     }
@@ -160,6 +171,15 @@ class InertialLinks {
     bool judged = true;  ///< by `disagreement`
     Mat<S, 15, 15> L;    ///< whitens the increment's residual
   };
+
+  /// From the images' times, by the camera's clock as it is seen now, to where the readings begin and end.
+  struct Ends {
+    ClockShift<S> begin, end;
+  };
+  Ends ends(const auto& window, const Link& link) const {
+    const auto shift = [&](const ReadingCut<S>& cut) { return cut.shift(window.time_offset_s(cut.offset_s)); };
+    return {shift(link.begin), shift(link.end)};
+  }
 
   bool linked(const auto& window, int slot) const { return window[slot].used && previous(slot) >= 0; }
 
@@ -211,7 +231,7 @@ class InertialLinks {
       for (int c = 0; c < state::Velocity::dim; ++c) J_j(motion_dim + k, at_v + c) = w_v * velocity.J_r_v(k, c);
       r[motion_dim + k] = w_v * velocity.r[k];
     }
-    take(i, J_i, j, J_j, r);
+    take(i, J_i, j, J_j, zeros<S, rows>(), r);
   }
 
   Vec<S, 6> rest_weights() const {

@@ -110,6 +110,17 @@ class Marginalizer {
     });
   }
 
+  /// Of three.
+  template <class DJ, class DK, class DL, class Dr>
+  void add_rows(const Eigen::MatrixBase<DJ>& J, int first_column, const Eigen::MatrixBase<DK>& K, int second_column,
+                const Eigen::MatrixBase<DL>& L, int third_column, const Eigen::MatrixBase<Dr>& r) {
+    add(r, [&](int from, int to, int n) {
+      write(J, first_column, from, to, n);
+      write(K, second_column, from, to, n);
+      write(L, third_column, from, to, n);
+    });
+  }
+
   /// The prior over all columns but [first_column, first_column + count), order kept. Consumes the rows: `reset` is
   /// next. False, and no prior, when anything is not finite.
   bool marginalize(int first_column, int count, Prior<MaxDim>& out) {

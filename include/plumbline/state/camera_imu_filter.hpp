@@ -7,8 +7,8 @@
 ///   R_v = Exp(c) R_g Exp(phi + w d),   c+ = c + R_g J_R_g b                                                      (1)
 ///   e = Log(R_g^T R_v) = R_g^T c + phi + w d + noise,   its variance with (|w'| d^2/2)^2: w changes meanwhile    (2)
 /// A Kalman filter over [c b phi d]. c and b are taken over at every step; d waits until it is beyond doubt, so that a
-/// clock that is right stays as it is; phi is only told: once frames and readings are solved for together, the window
-/// finds the mount (backend/extrinsics_prior.hpp).
+/// clock that is right stays as it is; phi is only told. Once frames and readings are solved for together, the window
+/// finds mount and clock (backend/extrinsics_prior.hpp, backend/time_offset_prior.hpp).
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,6 @@ struct CameraImuOptions {
   double max_doubt_s = 0.01;          ///< if that sigma is less,
   double min_error_s = 1e-3;          ///< and if it is by more
   double trust = 1;                   ///< one that was found to be wrong is corrected beyond so many,
-  double linked_trust = 2;            ///< beyond so many where readings link frames
   double max_step_s = 0.01;           ///< of the clock, in one frame
   double max_correction_s = 0.15;     ///< of the clock, in all
   double step_error = 0.2;            ///< part of a correction of the clock that remains in doubt
@@ -56,6 +55,8 @@ class CameraImuFilter {
 
   double time_offset_error() const { return d_; }      ///< found, not corrected yet [s]
   const Vec3& rotation_error() const { return phi_; }  ///< R_body_cam is Exp(phi) that of the calibration [rad]
+  /// Whether it was found that the clock is not as it was calibrated.
+  bool clock_is_wrong() const { return clock_is_wrong_; }
   double time_offset_sigma() const { return std::sqrt(P_(clock, clock)); }
   double rotation_sigma() const {
     return std::sqrt(std::max({P_(mount, mount), P_(mount + 1, mount + 1), P_(mount + 2, mount + 2)}));
@@ -74,6 +75,12 @@ class CameraImuFilter {
     forget(mount, options_.rotation_sigma);
   }
 
+  /// From now on the clock's offset is believed to be so much more [s].
+  void turn_clock(double step_s) {
+    d_ -= step_s;
+    corrected_s_ += step_s;
+    clock_is_wrong_ = clock_is_wrong_ || std::abs(corrected_s_) > options_.min_error_s;
+  }
   /// From now on R_body_cam is believed to be Exp(d) what it was.
   void turn_mount(const Vec3& d) { phi_ -= d; }
 
@@ -126,13 +133,12 @@ class CameraImuFilter {
     d_ += x[clock];
   }
 
-  /// The correction of the clock that is beyond doubt [s]; from now on it is in force. Links by readings of the clock
-  /// before will contradict those of the next one, so that noise must not move it then.
-  double take_time_offset(bool links_frames) {
+  /// The correction of the clock that is beyond doubt [s]; from now on it is in force.
+  double take_time_offset() {
     const double sigma = time_offset_sigma();
     if (in_a_row_ < options_.min_in_a_row || !(sigma < options_.max_doubt_s)) return 0;
-    const double least = clock_is_wrong_ ? (links_frames ? options_.linked_trust : options_.trust) * sigma
-                                         : std::max(options_.min_error_s, options_.doubt * sigma);
+    const double least =
+        clock_is_wrong_ ? options_.trust * sigma : std::max(options_.min_error_s, options_.doubt * sigma);
     if (!(std::abs(d_) > least)) return 0;
     clock_is_wrong_ = true;
     forget_mount();  // it was found with the clock wrong

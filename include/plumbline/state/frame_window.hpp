@@ -1,6 +1,6 @@
 #pragma once
 /// The one owner of poses: the frames that are estimated, each in a slot that it keeps while it lives, the latest one,
-/// which is one of them or stands alone, and the camera's on the body.                       docs/math/window.md
+/// which is one of them or stands alone, and the camera's on the body and its clock.         docs/math/window.md
 ///
 /// A new pose gets the linearization point that stands to that of the newest frame as it stands to the newest frame
 /// itself,
@@ -28,6 +28,7 @@ class FrameWindow {
   using Value = FrameValue<S, Layout>;
   using State = FrameState<S, Layout>;
   using Extrinsics = Estimated<state::Extrinsics, S>;
+  using TimeOffset = Estimated<state::TimeOffset, double>;
   static constexpr int slots = Slots;
 
   struct Frame {
@@ -94,6 +95,7 @@ class FrameWindow {
     for (Frame& frame : frames_) frame.used = false;
     size_ = 0;
     estimates_extrinsics_.set(false);
+    estimates_time_offset_.set(false);
   }
 
   /// Where the camera sits on the body is estimated as well, from now on until `clear`.
@@ -113,22 +115,45 @@ class FrameWindow {
     return given;
   }
 
-  /// Moves all frames by their steps, one after the other in `step`, and the mount by what comes after them.
+  /// So is the offset of the camera's clock, which does not seem to be another.
+  void estimate_time_offset(double offset_s) {
+    TimeOffset time_offset{state::TimeOffset::Value<double>(offset_s)};
+    time_offset.fix_first_estimate();
+    time_offset_.set(time_offset);
+    estimates_time_offset_.set(true);
+  }
+  bool estimates_time_offset() const { return estimates_time_offset_.get(); }
+  const TimeOffset& time_offset() const requires has_time_offset<Layout> { return time_offset_.get(); }
+  /// As it was found, or else as it is given [s].
+  double time_offset_s(double given) const {
+    if constexpr (has_time_offset<Layout>) {
+      if (estimates_time_offset()) return time_offset().value()[0];
+    }
+    return given;
+  }
+
+  /// Moves all frames by their steps, one after the other in `step`, and the rig by what comes after them.
   void move(const auto& step) {
     int at = 0;
     const auto take = [&](auto& estimated, int block_at) {
       typename std::remove_reference_t<decltype(estimated)>::Step d;
-      for (int c = 0; c < int(d.size()); ++c) d[c] = S(step[block_at + c]);
+      for (int c = 0; c < int(d.size()); ++c)
+        d[c] = static_cast<std::remove_reference_t<decltype(d[0])>>(step[block_at + c]);
       estimated.add(d);
     };
     for (Frame& frame : frames_) {
       if (frame.used) take(frame.state, at);
       at += Layout::dim;
     }
-    if (!estimates_extrinsics()) return;
-    Extrinsics extrinsics = extrinsics_.get();
-    take(extrinsics, at);
-    extrinsics_.set(extrinsics);
+    if constexpr (has_extrinsics<Layout>) {
+      using Rig = RigLayout<Layout>;
+      Extrinsics extrinsics = extrinsics_.get();
+      TimeOffset time_offset = time_offset_.get();
+      if (estimates_extrinsics()) take(extrinsics, at + Rig::template offset<state::Extrinsics>);
+      if (estimates_time_offset()) take(time_offset, at + Rig::template offset<state::TimeOffset>);
+      extrinsics_.set(extrinsics);
+      time_offset_.set(time_offset);
+    }
   }
 
   /// The state of the latest frame.
@@ -148,6 +173,8 @@ class FrameWindow {
   std::uint32_t sequence_ = 0;
   [[no_unique_address]] Present<Extrinsics, has_extrinsics<Layout>> extrinsics_;
   [[no_unique_address]] Present<bool, has_extrinsics<Layout>> estimates_extrinsics_;
+  [[no_unique_address]] Present<TimeOffset, has_time_offset<Layout>> time_offset_;
+  [[no_unique_address]] Present<bool, has_time_offset<Layout>, 1> estimates_time_offset_;
 };
 
 }  // namespace plumbline

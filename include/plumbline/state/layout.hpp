@@ -33,9 +33,15 @@ using VisualLayout = Layout<state::Pose>;
 /// What a frame of a rig with an IMU has.                                                       docs/math/imu.md (1)
 using InertialLayout = Layout<state::Pose, state::Velocity, state::GyroBias, state::AccelBias>;
 
-/// Where the camera sits is estimated with such frames (state::Extrinsics): on a body that readings move.
+/// What is estimated of the rig with such frames: where the camera sits and how its clock goes, on a body that readings
+/// move.
 template <class L>
-constexpr bool has_extrinsics = L::template has<state::Velocity>;
+using RigLayout =
+    std::conditional_t<L::template has<state::Velocity>, Layout<state::Extrinsics, state::TimeOffset>, Layout<>>;
+template <class L>
+constexpr bool has_extrinsics = RigLayout<L>::template has<state::Extrinsics>;
+template <class L>
+constexpr bool has_time_offset = RigLayout<L>::template has<state::TimeOffset>;
 
 static_assert(InertialLayout::dim == 15 && InertialLayout::offset<state::GyroBias> == 9);
 

@@ -1,0 +1,34 @@
+#pragma once
+/// What the motion of a rig with an IMU takes for granted of its sensors and of what it sees.
+
+#include "plumbline/imu/standstill.hpp"
+#include "plumbline/motion/inertial_links.hpp"
+#include "plumbline/state/camera_imu_filter.hpp"
+
+namespace plumbline {
+
+struct InertialOptions : InertialLinkOptions {
+  double gyro_inflation = 2;  ///< of the calibrated densities: vibration, scale and alignment errors
+  double accel_inflation = 5;
+  double walk_inflation = 2;
+  double velocity_sigma = 0.1;    ///< of the velocity that predicts a frame, where the window does not tell [m/s]
+  double velocity_doubt = 3;      ///< the window's own is so much too small
+  double rotation_sigma = 5e-3;   ///< of the rotation since the last frame, beside the gyroscope's noise [rad]
+  double max_vote = 2;            ///< no pose farther from the prediction is taken where a nearer one has votes [sigma]
+  double rate_s = 0.02;           ///< the body turns at an image as in so long before it
+  double max_innovation = 8;      ///< of a frame's pose by its images against the readings [sigma]
+  double max_rate_error = 0.025;  ///< of the gyroscope against the images: more is another bias [rad/s]
+  double rate_error_s = 0.3;      ///< mean over so long
+  double rate_error_sigmas = 12;  ///< and so many sigma of that mean
+  double rate_s = 0.01;           ///< the body's angular rate while an image is exposed: mean of readings over so long
+  double jump_settles_s = 3;      ///< readings are in doubt for so long
+  double max_disagreement = 6;    ///< of readings and images, see InertialLinks; about 2 on a vibrating drone
+  double rest_motion_px = 0.5;    ///< landmarks that moved less since the last keyframe do not contradict a standstill
+  double rest_check_s = 0.3;      ///< they are watched for so long
+  double rest_hysteresis = 2;     ///< limits are this much wider for a body at rest
+  double max_rest_link_s = 2;     ///< a standstill goes on for ever, its readings are of use for so long
+  StandstillOptions standstill;
+  CameraImuOptions camera_imu;
+};
+
+}  // namespace plumbline
