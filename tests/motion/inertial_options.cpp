@@ -4,7 +4,8 @@
 
 using namespace plumbline;
 
-TEST_CASE("inertial_options: what is preferred is nearer than what is excluded, and rest is entered before it is left") {
+TEST_CASE(
+    "inertial_options: what is preferred is nearer than what is excluded, and rest is entered before it is left") {
   const InertialOptions options;
   CHECK(options.max_vote < options.max_innovation);
   CHECK(options.velocity_doubt >= 1);

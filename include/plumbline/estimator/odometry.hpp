@@ -120,8 +120,6 @@ class Odometry {
     view.shutter.set_angular_rate(view.T_body_cam.rotation().inverse() * motion.angular_rate());
   }
 
-  // ------------------------------------------------------------------------------------------ estimate and keyframe
-
   /// A frame that nothing ties to others: its pose is that of its features; a keyframe is solved for with the window.
   void solve_alone(const View<Sensors>& view, const State& x, const Covariance& covariance) {
     window().set_latest(x);
@@ -251,8 +249,6 @@ class Odometry {
     set_zero(keyframe_covariance_);
     return slot;
   }
-
-  // ------------------------------------------------------------------------------------------------------ publish
 
   void publish(TimeNs t_ns) {
     const State x = window().latest();

@@ -15,12 +15,11 @@ struct InertialOptions : InertialLinkOptions {
   double velocity_doubt = 3;      ///< the window's own is so much too small
   double rotation_sigma = 5e-3;   ///< of the rotation since the last frame, beside the gyroscope's noise [rad]
   double max_vote = 2;            ///< no pose farther from the prediction is taken where a nearer one has votes [sigma]
-  double rate_s = 0.02;           ///< the body turns at an image as in so long before it
+  double rate_s = 0.02;           ///< the body turns at an image as in so long before it, rows of the image with it
   double max_innovation = 8;      ///< of a frame's pose by its images against the readings [sigma]
   double max_rate_error = 0.025;  ///< of the gyroscope against the images: more is another bias [rad/s]
   double rate_error_s = 0.3;      ///< mean over so long
   double rate_error_sigmas = 12;  ///< and so many sigma of that mean
-  double rate_s = 0.01;           ///< the body's angular rate while an image is exposed: mean of readings over so long
   double jump_settles_s = 3;      ///< readings are in doubt for so long
   double max_disagreement = 6;    ///< of readings and images, see InertialLinks; about 2 on a vibrating drone
   double rest_motion_px = 0.5;    ///< landmarks that moved less since the last keyframe do not contradict a standstill
