@@ -90,3 +90,18 @@ TEMPLATE_TEST_CASE("origin: what the calibration is wrong by grows with the way,
   origin.set(SE3<S>(), Mat<S, 6, 6>::Zero());
   CHECK(origin.at(SE3<S>()).norm() == 0);
 }
+
+TEMPLATE_TEST_CASE("origin: what is in dispute adds up in one direction, until all begins anew", "", float, double) {
+  using S = TestType;
+  Origin<S> origin;
+  Vec<S, 6> d = Vec<S, 6>::Zero();
+  d[1] = S(0.01);
+  d[5] = S(-0.03);
+  origin.dispute(d);
+  origin.dispute(-d);
+  const SE3<S> T;
+  CHECK(double(origin.at(T)(0, 0)) == Approx(0.02 * 0.02));
+  CHECK(double(origin.at(T)(3, 3)) == Approx(0.06 * 0.06));
+  origin.set(T, Mat<S, 6, 6>::Zero());
+  CHECK(origin.at(T).norm() == 0);
+}

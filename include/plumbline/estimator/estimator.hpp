@@ -129,6 +129,7 @@ class Estimator {
       const State x = core_.motion.update(predicted.state, T, covariance, view);
       if (core_.motion.ties_frames()) {
         work_.solve_in_window(core_, view, x);
+        judge(predicted);
       } else {
         core_.solve_alone(view, x, covariance);
         const bool worth_aligning = beginning_.gather(core_, view), needed = core_.needs_keyframe(view.t_ns);
@@ -143,6 +144,13 @@ class Estimator {
       lost_frames_ = 0;
     }
     timing_.map = stage.lap();
+  }
+
+  /// Where readings are in doubt and exclude what was solved for, nobody knows who is right.
+  void judge(const Predicted& predicted) {
+    const SE3<S>& T = core_.estimate.T_world_body;
+    if (core_.estimate.health.reason == HealthReason::imu_disagrees && !core_.motion.admits(predicted, T))
+      core_.origin.dispute(minus(T, predicted.state.T_world_body));
   }
 
   /// The images do not say where the frame is: the IMU bridges them, or the next ones are tried against the last good

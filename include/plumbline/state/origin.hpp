@@ -2,8 +2,9 @@
 /// Where an estimate began, or began anew: what is not known of that place is not known of any pose after it. Nor is
 /// what the calibration of lens, depth and readings is wrong by: no residual shows it, and it grows with the way.
 ///
-///   P(T) = P_window + Ad P_origin Ad^T + k^2 diag(a^2 I, s^2 I),   Ad = Ad(T^-1 T_origin)                     (1)
-/// a, s: angle turned and distance travelled since the origin.
+///   P(T) = P_window + Ad P_origin Ad^T + diag((k a + a_d)^2 I, (k s + s_d)^2 I),   Ad = Ad(T^-1 T_origin)     (1)
+/// a, s: angle turned and distance travelled since the origin; a_d, s_d: those that are in dispute, because one sensor
+/// excludes what another one says: one of them is wrong by as much, and time after time in the same direction.
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/se3.hpp"
@@ -47,7 +48,7 @@ class Origin {
   void set(const SE3<S>& T, const Covariance& P) {
     T_ = latest_ = T;
     P_ = P;
-    angle_ = distance_ = S(0);
+    angle_ = distance_ = disputed_angle_ = disputed_distance_ = S(0);
   }
   /// The body has come to T.
   void travel_to(const SE3<S>& T) {
@@ -55,6 +56,11 @@ class Origin {
     angle_ += norm(way.rotation().log());
     distance_ += norm(way.p());
     latest_ = T;
+  }
+  /// Whether the body was moved by that much, [dphi, dp], depends on whom one believes.
+  void dispute(const Vec<S, 6>& d) {
+    disputed_angle_ += norm(segment<3>(d, 0));
+    disputed_distance_ += norm(segment<3>(d, 3));
   }
   /// What is measured from T on has that place with a sigma [m], and that heading about the vertical [rad].
   void doubt(const SE3<S>& T, S place_sigma, S heading_sigma) {
@@ -68,7 +74,8 @@ class Origin {
   /// The part of a pose's covariance that is the origin's and the way's.
   Covariance at(const SE3<S>& T) const {
     Covariance P = carried(P_, T_, T);
-    const S turned = calibration_error_ * angle_, travelled = calibration_error_ * distance_;
+    const S turned = calibration_error_ * angle_ + disputed_angle_;
+    const S travelled = calibration_error_ * distance_ + disputed_distance_;
     for (int k = 0; k < 3; ++k) {
       P(k, k) += turned * turned;
       P(3 + k, 3 + k) += travelled * travelled;
@@ -80,7 +87,7 @@ class Origin {
   S calibration_error_;
   SE3<S> T_, latest_;
   Covariance P_ = zeros<Covariance>();
-  S angle_ = S(0), distance_ = S(0);
+  S angle_ = S(0), distance_ = S(0), disputed_angle_ = S(0), disputed_distance_ = S(0);
 };
 
 }  // namespace plumbline
