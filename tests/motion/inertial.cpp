@@ -3,7 +3,6 @@
 #include "plumbline/motion/inertial.hpp"
 
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <type_traits>
 
@@ -296,11 +295,16 @@ TEMPLATE_TEST_CASE("inertial: images that the readings exclude", "", float, doub
   CHECK(drive.motion->contradicts(predicted, SE3<S>(T.rotation(), Vec<S, 3>::Constant(S(NAN)))));
 
   // A place is foretold as well as the velocity is known, until the images are of no use.
-  drive.motion->know_velocity(0.01);
+  Mat<S, MovingLayout::dim, MovingLayout::dim> P = Mat<S, MovingLayout::dim, MovingLayout::dim>::Identity();
+  const auto know_velocity = [&](S sigma) {
+    for (int k = 6; k < 9; ++k) P(k, k) = sigma * sigma;
+    drive.motion->know_velocity(P);
+  };
+  know_velocity(S(0.01));
   const auto surer = drive.predict();
-  drive.motion->know_velocity(std::numeric_limits<double>::infinity());
+  know_velocity(S(10));
   const auto unknown = drive.predict();
-  drive.motion->know_velocity(0.01);
+  know_velocity(S(0.01));
   drive.motion->lose();
   const auto lost = drive.predict();
   for (int k = 3; k < 6; ++k) {

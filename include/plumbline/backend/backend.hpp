@@ -8,10 +8,7 @@
 ///   optimize  frames and landmarks, together
 ///   retire    turns the frame that leaves into what it leaves behind, and hands it to the map
 
-#include <algorithm>
-#include <cmath>
 #include <concepts>
-#include <limits>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
@@ -45,17 +42,8 @@ concept Backend = HasFrames<B> &&
 /// Whether the covariance of the newest frame goes on after its pose with that of its velocity.
 template <class B>
 concept TellsVelocity = HasFrames<B> && B::Layout::template has<state::Velocity>&& requires(
-    const B& known,
-    Mat<typename B::S, state::Pose::dim + state::Velocity::dim, state::Pose::dim + state::Velocity::dim>& covariance) {
+    const B& known, Mat<typename B::S, MovingLayout::dim, MovingLayout::dim>& covariance) {
   { known.covariance_of_newest(covariance) } -> std::same_as<bool>;
 };
-/// In the direction in which it is known least [m/s]; infinite where it is not known at all.
-template <TellsVelocity B>
-double velocity_sigma(const B& backend) {
-  constexpr int first = B::Layout::template offset<state::Velocity>, dim = first + state::Velocity::dim;
-  Mat<typename B::S, dim, dim> C;
-  if (!backend.covariance_of_newest(C)) return std::numeric_limits<double>::infinity();
-  return std::sqrt(double(std::max({C(first, first), C(first + 1, first + 1), C(first + 2, first + 2)})));
-}
 
 }  // namespace plumbline

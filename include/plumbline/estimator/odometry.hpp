@@ -2,6 +2,7 @@
 /// What goes on in every frame once there is a map: predict, track, estimate, keyframe, publish. It has one of each of
 /// what an estimator is composed of, but for the start.
 
+#include <type_traits>
 #include <utility>
 
 #include "plumbline/backend/backend.hpp"
@@ -174,10 +175,11 @@ class Odometry {
     images.keep(view, window().latest().T_world_body);
     publish(good_ns_ = view.t_ns);
     if (stands_) return;
-    Covariance covariance;
-    if (!backend.covariance_of_newest(covariance)) set_identity(covariance);
-    publish(covariance);
-    if constexpr (TellsVelocity<Backend>) motion.know_velocity(velocity_sigma(backend));
+    using Known = std::conditional_t<TellsVelocity<Backend>, MovingLayout, VisualLayout>;
+    Mat<S, Known::dim, Known::dim> known;
+    if (!backend.covariance_of_newest(known)) set_identity(known);
+    publish(block<state::Pose::dim, state::Pose::dim>(known, 0, 0));
+    if constexpr (TellsVelocity<Backend>) motion.know_velocity(known);
   }
   void stay_in_window(const View<Sensors>& view) {
     adopt_keyframe(view, temporary_);

@@ -134,8 +134,10 @@ class Inertial {
     solved.v_world_body = (solved.T_world_body.p() - before.T_world_body.p()) / dt;
     return true;
   }
-  /// How well the window knows the latest velocity [m/s].
-  void know_velocity(double sigma) {
+  /// How well the window knows the latest state, its velocity after its pose.
+  void know_velocity(const Mat<S, MovingLayout::dim, MovingLayout::dim>& P) {
+    constexpr int v = MovingLayout::offset<state::Velocity>;
+    const double sigma = std::sqrt(double(std::max({P(v, v), P(v + 1, v + 1), P(v + 2, v + 2)})));
     velocity_sigma_ = std::min(options_.velocity_sigma, options_.velocity_doubt * sigma);
   }
   void lose() { velocity_sigma_ = options_.velocity_sigma; }

@@ -31,10 +31,10 @@ struct InertialLinkOptions {
 template <class S>
 struct InertialLink {
   int previous = -1;
-  Preintegration<S> increment;  ///< since then
-  bool at_rest = false;         ///< the body did not move since then
-  bool jumped = false;          ///< the gyroscope's bias is another one since then
-  ReadingCut<S> begin, end;     ///< where its readings begin and end
+  Preintegration<S> increment;         ///< since then
+  bool at_rest = false;                ///< the body did not move since then
+  bool jumped = false;                 ///< the gyroscope's bias is another one since then
+  ReadingCut<S> begin = {}, end = {};  ///< where its readings begin and end
 };
 
 template <class S, int Slots>

@@ -30,6 +30,8 @@ struct Layout {
 
 /// What a frame of a camera alone has.
 using VisualLayout = Layout<state::Pose>;
+/// What leads in the state of a frame that moves.
+using MovingLayout = Layout<state::Pose, state::Velocity>;
 /// What a frame of a rig with an IMU has.                                                       docs/math/imu.md (1)
 using InertialLayout = Layout<state::Pose, state::Velocity, state::GyroBias, state::AccelBias>;
 
