@@ -132,9 +132,8 @@ class Odometry {
     good_ns_ = view.t_ns;
   }
   bool needs_keyframe(TimeNs t_ns) {
-    const double moved_px = motion_px(), moved_rad = moved_px / double(effective_focal_length(rig.vision.camera));
-    const bool needed = rule_.is_keyframe(landmarks.tracked_count(), tracked_at_keyframe_, moved_rad);
-    return motion.confirm_keyframe(t_ns, moved_px, needed);
+    const double px = motion_px(), rad = px / double(effective_focal_length(rig.vision.camera));
+    return motion.confirm_keyframe(t_ns, px, rule_.is_keyframe(landmarks.tracked_count(), tracked_at_keyframe_, rad));
   }
   /// The latest frame, which was solved for alone, becomes a keyframe.
   void make_keyframe(const View<Sensors>& view) {
@@ -187,7 +186,7 @@ class Odometry {
     make_room(view);
   }
 
-  /// The frame in `slot` is the last keyframe now.
+  /// That of `slot` is the last keyframe now.
   void adopt_keyframe(const View<Sensors>& view, int slot) {
     const State x = window().latest();
     images.keep(view, x.T_world_body);
