@@ -106,7 +106,8 @@ class Inertial {
     for (int k = 0; k < 3; ++k) {
       const auto sigma = [&](int i) { return std::sqrt(double(increment.covariance(i, i))); };
       out.prior.sigma[k] = S(std::hypot(options_.rotation_sigma, sigma(k)));
-      out.prior.sigma[3 + k] = S(std::hypot(velocity_sigma_ * double(blind_s), sigma(3 + k)));
+      out.prior.sigma[3 + k] = S(std::hypot(options_.velocity_sigma * double(blind_s), sigma(3 + k)));
+      place_sigma_[k] = S(std::hypot(velocity_sigma_ * double(blind_s), sigma(3 + k)));
     }
     return out;
   }
@@ -115,9 +116,13 @@ class Inertial {
   bool contradicts(const Prediction<State, S>& predicted, const SE3<S>& T) const {
     return !imu_.blind() && !predicted.prior.admits(minus(T, predicted.state.T_world_body), S(options_.max_innovation));
   }
-  /// Whether a pose is near enough to what the readings foretell to be preferred to what more landmarks agree on.
+  /// Whether a pose is near enough to what the readings foretell to be preferred to what more landmarks agree on: where
+  /// the window tells how well it knows the velocity.
   bool admits(const Prediction<State, S>& predicted, const SE3<S>& T) const {
-    return predicted.prior.admits(minus(T, predicted.state.T_world_body), S(options_.max_vote));
+    if (!(velocity_sigma_ < options_.velocity_sigma)) return true;
+    PosePrior<S> prior = predicted.prior;
+    set_segment(prior.sigma, 3, place_sigma_);
+    return prior.admits(minus(T, predicted.state.T_world_body), S(options_.max_vote));
   }
 
   State update(const State& predicted, const SE3<S>& T, const Mat<S, 6, 6>& covariance, const View<Sensors>& view) {
@@ -284,7 +289,8 @@ class Inertial {
   Vec<S, 3> angular_rate_ = zeros<S, 3>();
   Vec<S, 3> rate_error_ = zeros<S, 3>();  ///< see look_for_jump [rad/s]
   S rate_variance_ = S(0);
-  double velocity_sigma_;  ///< of the latest state [m/s]
+  double velocity_sigma_;                  ///< of the latest state [m/s]
+  Vec<S, 3> place_sigma_ = zeros<S, 3>();  ///< of the predicted frame, by that [m]
   double since_jump_s_ = std::numeric_limits<double>::infinity();
   StandstillReport rest_;
   bool is_metric_ = false, blind_since_keyframe_ = false, jumped_since_keyframe_ = false, at_rest_ = false;
