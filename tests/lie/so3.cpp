@@ -77,7 +77,6 @@ TEMPLATE_TEST_CASE("so3: agrees with the rotation matrix", "", float, double) {
 
 TEMPLATE_TEST_CASE("so3: a million products stay rotations", "", float, double) {
   using S = TestType;
-  Random random(5);
   SO3<S> R, back;
   const SO3<S> step = SO3<S>::exp(Vec<S, 3>(S(0.7), S(-0.3), S(1.1))), step_back = step.inverse();
   for (int i = 0; i < 1000000; ++i) {
