@@ -79,7 +79,7 @@ void check_camera(const Make& make, int width, int height, double cx, double cy,
   CHECK(!camera.project(Vec<S, 3>(0, 0, -1)).valid);
   Random random(1);
   for (int i = 0; i < 5000; ++i) {
-    const Vec<double, 3> direction(2 * random.uniform() - 1, 2 * random.uniform() - 1, 2 * random.uniform() - 1);
+    const Vec<double, 3> direction{2 * random.uniform() - 1, 2 * random.uniform() - 1, 2 * random.uniform() - 1};
     const Vec<S, 3> p = direction.normalized().cast<S>();
     const Projection<S> pixel = camera.project(p);
     if (!pixel.valid) continue;

@@ -35,8 +35,8 @@ Observation observe_segment(const Pinhole<double>& camera, const Vec<double, 3>&
   const Vec<double, 2> across(-along.y(), along.x());
   const Mat<double, 2, 2> L = *square_root_information(pixels_covariance());
   const Mat<double, 2, 2> L_z = *square_root_information(depth_covariance());
-  const Vec<double, 2> off = noise_scale * L.inverse() * Vec<double, 2>(noise(), noise());
-  const Vec<double, 2> off_z = noise_scale * L_z.inverse() * Vec<double, 2>(noise(), noise());
+  const Vec<double, 2> off = noise_scale * L.inverse() * Vec<double, 2>{noise(), noise()};
+  const Vec<double, 2> off_z = noise_scale * L_z.inverse() * Vec<double, 2>{noise(), noise()};
   const Vec<double, 2> start = a + off[0] * across, end = b + off[1] * across;
   const LineObservation<double> seen = observe_line(camera, start, end);
   const LineReprojection<double>& pixels = seen.reprojection;

@@ -199,7 +199,7 @@ TEST_CASE("window_terms (lines): lines converge to the truth between true poses"
       landmark.observations[std::size_t(k)] = scene.observe(scene.p_world[i], scene.q_world[i], k, 0, noise);
       if (i % 3 != 0) landmark.observations[std::size_t(k)].forget_depth();  // these by parallax alone
     }
-    landmark.geometry.line = landmark.geometry.line.plus(0.02 * Vec<double, 4>(noise(), noise(), noise(), noise()));
+    landmark.geometry.line = landmark.geometry.line.plus(0.02 * Vec<double, 4>{noise(), noise(), noise(), noise()});
   }
   for (int iteration = 0; iteration < 8; ++iteration) {
     scene.linearize();

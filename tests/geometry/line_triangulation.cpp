@@ -28,7 +28,7 @@ std::vector<LineTriangulationView<S>> views_of(const V3& p, const V3& q, const s
                                                double sigma_rad, double turn = 0.1) {
   std::vector<LineTriangulationView<S>> views;
   for (std::size_t j = 0; j < places.size(); ++j) {
-    const V3 phi = j == 0 ? V3::Zero() : V3(noise(turn / 2), noise(turn / 2), noise(turn / 2));
+    const V3 phi = j == 0 ? V3::Zero() : V3{noise(turn / 2), noise(turn / 2), noise(turn / 2)};
     const SE3<double> T_cj_ca = SE3<double>(SO3<double>::exp(phi), places[j]).inverse();
     const double cut = j == 0 ? 0 : 0.2 * noise.random.uniform();
     const V3 a = (T_cj_ca * V3(p + cut * (q - p))).normalized(), b = (T_cj_ca * V3(q - cut * (q - p))).normalized();
@@ -53,7 +53,7 @@ TEMPLATE_TEST_CASE("line_triangulation: exact views give the line, two of them o
   Noise noise{Random(1)};
   int valid = 0;
   for (int i = 0; i < 60; ++i) {
-    const V3 p(noise(0.5), noise(0.5), 2 + noise(0.2)), q = p + V3(noise(0.5), noise(0.5), noise(0.5));
+    const V3 p{noise(0.5), noise(0.5), 2 + noise(0.2)}, q = p + V3{noise(0.5), noise(0.5), noise(0.5)};
     for (const std::size_t n : {2u, 4u}) {
       const auto views =
           views_of<S>(p, q, std::vector<V3>(around.begin(), around.begin() + std::ptrdiff_t(n)), noise, 0);

@@ -43,7 +43,7 @@ Scene<S> make_scene(std::uint64_t seed, double outlier_ratio, double noise = sig
     if (scene.outlier[i]) {
       bearing = Vec<double, 3>(0.8 * symmetric(random), 0.6 * symmetric(random), 1).normalized();
     } else {
-      const Vec<double, 3> e(normal(random), normal(random), normal(random));
+      const Vec<double, 3> e{normal(random), normal(random), normal(random)};
       bearing = (bearing + noise * (e - bearing * bearing.dot(e))).normalized();
     }
     const Vec<double, 3> p_world = scene.T_cam_world.inverse() * p_cam;

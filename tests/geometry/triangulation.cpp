@@ -35,7 +35,7 @@ Truth make_views(Random& random, double noise, std::array<TriangulationView<S>, 
     Vec<double, 6> xi;
     xi << 0.2 * random_vector(random), 0.5 * random_vector(random);
     const SE3<double> T = SE3<double>::exp(xi);
-    const Vec<double, 3> p = T * p_ca, b = p.normalized(), e(normal(random), normal(random), normal(random));
+    const Vec<double, 3> p = T * p_ca, b = p.normalized(), e{normal(random), normal(random), normal(random)};
     view = {T.cast<S>(), (b + noise * (e - b * b.dot(e))).normalized().template cast<S>(), S(2e-3)};
   }
   return {p_ca.normalized(), 1 / p_ca.norm()};

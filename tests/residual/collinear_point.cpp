@@ -20,7 +20,7 @@ struct PointScene : LineScene {
       : LineScene(seed, kind), T_world_point(T_world_target) {
     Random random(seed + 1000);
     const auto uniform = [&](double low, double high) { return low + (high - low) * random.uniform(); };
-    const Vec<double, 3> off(uniform(-beside, beside), uniform(-beside, beside), uniform(-beside, beside));
+    const Vec<double, 3> off{uniform(-beside, beside), uniform(-beside, beside), uniform(-beside, beside)};
     const Vec<double, 3> on_line = line.closest_point() + uniform(-0.5, 0.5) * line.direction();
     const SE3<double> T_point_line = (T_world_point * T_body_cam).inverse() * (T_world_anchor * T_body_cam);
     const Vec<double, 3> X = T_point_line * Vec<double, 3>(on_line + off);

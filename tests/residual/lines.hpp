@@ -30,7 +30,7 @@ struct LineScene {
       q_t = p_t + Vec<double, 3>(0.02 * random.uniform(), 0.3, 0.2);
     } else if (kind == along_view) {
       p_t = random_vector(random, 0.4) + Vec<double, 3>(0.2, 0.6, 1.2);
-      q_t = p_t + Vec<double, 3>(0.02 * random.uniform(), 0.02 * random.uniform(), 8);
+      q_t = p_t + Vec<double, 3>{0.02 * random.uniform(), 0.02 * random.uniform(), 8};
     } else {
       p_t = random_vector(random, 1) + Vec<double, 3>(0, 0, 2.5);
       q_t = random_vector(random, 1) + Vec<double, 3>(0, 0, 3);

@@ -8,7 +8,7 @@
 namespace plumbline::test {
 
 inline Vec<double, 3> random_vector(Random& random, double size) {
-  return size * Vec<double, 3>(2 * random.uniform() - 1, 2 * random.uniform() - 1, 2 * random.uniform() - 1);
+  return size * Vec<double, 3>{2 * random.uniform() - 1, 2 * random.uniform() - 1, 2 * random.uniform() - 1};
 }
 
 inline SE3<double> random_pose(Random& random, double angle, double distance) {
@@ -27,7 +27,7 @@ struct PointScene {
     T_body_cam = random_pose(random, 2, 0.1);
     T_world_anchor = random_pose(random, 2, 3);
     T_world_target = T_world_anchor * random_pose(random, 0.2, 0.4);
-    bearing = Vec<double, 3>(random.uniform() - 0.5, random.uniform() - 0.5, 1).normalized();
+    bearing = Vec<double, 3>{random.uniform() - 0.5, random.uniform() - 0.5, 1}.normalized();
     const double infinitely_far[] = {0, 1e-4};
     lambda = seed % 4 == 0 ? infinitely_far[(seed / 4) % 2] : 0.1 + random.uniform();
   }

@@ -39,7 +39,7 @@ TEMPLATE_TEST_CASE("rolling_shutter: a turning camera's rows, brought to the mid
     const Vec<S, 3> w = S(1.5) * Vec<S, 3>(S(random()), S(random()), S(random()));
     const S readout = S(0.026);
     const auto shutter = shutter_of<S>(cam, readout, w);
-    const Vec<S, 2> still(S(120 + 400 * random.random().uniform()), S(100 + 280 * random.random().uniform()));
+    const Vec<S, 2> still{S(120 + 400 * random.random().uniform()), S(100 + 280 * random.random().uniform())};
     const Vec<S, 2> seen = shutter.seen(still);
     // By definition: row v sees the direction at its own time, when the camera has turned by w tau readout.
     const S tau = (seen.y() + S(0.5)) / S(height) - S(0.5);

@@ -174,7 +174,7 @@ TEST_CASE("marginalization: the prior does not observe the gauge") {
   // Points 0..14 are seen by poses 0..3 and leave with pose 0; 15..29 by poses 1..5 and leave with pose 1.
   const auto reduced = [&](int l, int first_pose, int last_pose, auto&& marginalizer) {
     LandmarkElimination<double, 2, 3, poses, 2 * poses> landmark;
-    const Eigen::Vector2d X(3 * random.uniform(), 10 * random.uniform());
+    const Eigen::Vector2d X{3 * random.uniform(), 10 * random.uniform()};
     for (int k = first_pose; k <= last_pose; ++k) {
       const Eigen::Vector2d q = R[k].transpose() * (X - p[k]);
       Mat<double, 2, 3> J_pose;

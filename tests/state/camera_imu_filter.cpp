@@ -50,7 +50,7 @@ class Body {
         increment.integrate(interval, ImuNoise{1e-4, 1e-5, 1e-3, 1e-4});
       }
       filter.propagate(increment);
-      const Vec3 noise(random_(), random_(), random_());
+      const Vec3 noise{random_(), random_(), random_()};
       const SO3<double> R_v = world_ * orientation(t_ + wrong_.time_offset_s) * SO3<double>::exp(wrong_.turned) *
                               SO3<double>::exp(2e-4 * noise);
       filter.update(R_v, 4e-8 * Mat<double, 3, 3>::Identity(), rate - bias_);

@@ -38,7 +38,7 @@ struct SimulatedPoints {
   void scatter(int count, const Vec<double, 3>& half_size, std::uint64_t seed) {
     Random random(seed);
     for (int i = 0; i < count; ++i) {
-      const Vec<double, 3> u(random.uniform(), random.uniform(), random.uniform());
+      const Vec<double, 3> u{random.uniform(), random.uniform(), random.uniform()};
       p_world.push_back((2 * u - Vec<double, 3>::Ones()).cwiseProduct(half_size));
     }
   }
