@@ -1,7 +1,8 @@
 #pragma once
 // Counts what reaches the heap: all forms of operator new, and Eigen's own allocation (checked in release builds too).
 // Include it first, before anything of Eigen, and in one file of a program alone: it replaces the allocation functions.
-// All of them are replaced, so that new and delete fit together under a sanitizer that has its own.
+// All of them are replaced, so that new and delete fit together under a sanitizer that has its own; Clang's for threads
+// defines them strongly, so its preset links with -z muldefs, where the first definition is the one: this.
 
 #ifdef EIGEN_CORE_H
 #error "allocation_counter.hpp comes before any header of Eigen, also a precompiled one: see tests/CMakeLists.txt"
