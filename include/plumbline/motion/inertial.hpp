@@ -43,7 +43,7 @@ class Inertial {
       : options_(options),
         T_body_cam_calibrated_(rig.T_body_cam()),
         gravity_(gravity_in_world<S>(S(options.gravity))),
-        imu_(rig.imu, inflated(rig.imu.noise, options)),
+        imu_(rig.imu, options.inflated(rig.imu.noise)),
         since_keyframe_(imu_.since(State{})),
         camera_imu_(options.camera_imu),
         clock_(rig.imu.camera_time_offset_s),
@@ -76,6 +76,7 @@ class Inertial {
       at_rest_ = at_rest_ && seems_at_rest(t_ns);
     }
     clock_.set_gyro(imu_.latest_gyro(options_.rate_s));
+    since_jump_s_ += double(dt);
     imu_.begin_frame(t_ns);
   }
   /// Vision alone has no use for the lever arm: its body is the camera, turned. (Without depth it has another unit.)
@@ -113,8 +114,11 @@ class Inertial {
   }
 
   /// Whether images say of the frame what its readings exclude: a frozen picture, a scene that moves as a whole.
+  /// A gyroscope that may be at fault does not rule: less is excluded until it is decided.
   bool contradicts(const Prediction<State, S>& predicted, const SE3<S>& T) const {
-    return !imu_.blind() && !predicted.prior.admits(minus(T, predicted.state.T_world_body), S(options_.max_innovation));
+    const double usual = gyro_is_suspect_ ? 2 * options_.max_innovation : options_.max_innovation;
+    const double gate = gyro_in_doubt() ? options_.doubted_innovation : usual;
+    return !imu_.blind() && !predicted.prior.admits(minus(T, predicted.state.T_world_body), S(gate));
   }
   /// Whether a pose is near enough to what the readings foretell to be preferred to what more landmarks agree on: where
   /// the window tells how well it knows the velocity.
@@ -209,7 +213,7 @@ class Inertial {
   HealthReason doubt(const auto& links, const auto& window) const {
     if (imu_.missing()) return HealthReason::no_imu_data;
     if (imu_.coverage().saturated_s > 0) return HealthReason::imu_saturated;
-    if (since_jump_s_ < options_.jump_settles_s) return HealthReason::imu_disagrees;
+    if (gyro_in_doubt()) return HealthReason::imu_disagrees;
     if (is_metric_ && !at_rest_ && links.disagreement(window) > options_.max_disagreement)
       return HealthReason::imu_disagrees;  // at rest frames are not solved for
     return HealthReason::none;
@@ -243,17 +247,21 @@ class Inertial {
                        cast_to<double>(rate));
   }
 
+  bool gyro_in_doubt() const { return since_jump_s_ < options_.jump_settles_s; }
+
   /// Images that turn otherwise than the gyroscope, for some time, always alike and beyond doubt: its bias has jumped.
-  /// d is log of what the prediction lacks, d = -(b - b_then) dt; the variance is that of the mean.
+  /// d is log of what the prediction lacks, d = -(b - b_then) dt; the variance is that of the mean. It does so once: what
+  /// goes on is something else.
   void look_for_jump(State& x, const SE3<S>& T, const Mat<S, 6, 6>& covariance, S dt) {
     const Vec<S, 3> d = (x.T_world_body.rotation().inverse() * T.rotation()).log();
     const S part = std::min(S(1), dt / S(options_.rate_error_s)), rest = S(1) - part;
     const S variance = (covariance(0, 0) + covariance(1, 1) + covariance(2, 2)) / (dt * dt);
     rate_error_ += part * Vec<S, 3>(d / dt - rate_error_);
     rate_variance_ = rest * rest * rate_variance_ + part * part * variance;
-    since_jump_s_ += double(dt);
     const S clear = S(options_.rate_error_sigmas) * std::sqrt(rate_variance_);
-    if (!(norm(rate_error_) > std::max(S(options_.max_rate_error), clear))) return;
+    const S error = norm(rate_error_);
+    gyro_is_suspect_ = error > std::max(S(options_.max_rate_error), clear / S(2));
+    if (gyro_in_doubt() || !(error > std::max(S(options_.max_rate_error), clear))) return;
     x.bias_gyro -= rate_error_;
     x.T_world_body = T;
     set_zero(rate_error_);
@@ -271,14 +279,6 @@ class Inertial {
     return rest_.at_rest();
   }
 
-  static ImuNoise inflated(ImuNoise noise, const Options& options) {
-    noise.gyro_density *= options.gyro_inflation;
-    noise.accel_density *= options.accel_inflation;
-    noise.gyro_walk *= options.walk_inflation;
-    noise.accel_walk *= options.walk_inflation;
-    return noise;
-  }
-
   Options options_;
   SE3<S> T_body_cam_calibrated_;
   Vec<S, 3> gravity_;
@@ -294,6 +294,7 @@ class Inertial {
   double since_jump_s_ = std::numeric_limits<double>::infinity();
   StandstillReport rest_;
   bool is_metric_ = false, blind_since_keyframe_ = false, jumped_since_keyframe_ = false, at_rest_ = false;
+  bool gyro_is_suspect_ = false;
 };
 
 }  // namespace plumbline

@@ -17,6 +17,7 @@ struct InertialOptions : InertialLinkOptions {
   double max_vote = 2;            ///< no pose farther from the prediction is taken where a nearer one has votes [sigma]
   double rate_s = 0.02;           ///< the body turns at an image as in so long before it, rows of the image with it
   double max_innovation = 8;      ///< of a frame's pose by its images against the readings [sigma]
+  double doubted_innovation = 4;  ///< the same once another bias was found, which is to explain what is seen
   double max_rate_error = 0.025;  ///< of the gyroscope against the images: more is another bias [rad/s]
   double rate_error_s = 0.3;      ///< mean over so long
   double rate_error_sigmas = 12;  ///< and so many sigma of that mean
@@ -28,6 +29,14 @@ struct InertialOptions : InertialLinkOptions {
   double max_rest_link_s = 2;     ///< a standstill goes on for ever, its readings are of use for so long
   StandstillOptions standstill;
   CameraImuOptions camera_imu;
+
+  ImuNoise inflated(ImuNoise noise) const {
+    noise.gyro_density *= gyro_inflation;
+    noise.accel_density *= accel_inflation;
+    noise.gyro_walk *= walk_inflation;
+    noise.accel_walk *= walk_inflation;
+    return noise;
+  }
 };
 
 }  // namespace plumbline
