@@ -64,8 +64,9 @@ class LandmarkElimination {
     for (int k = 0; k < R; ++k) {
       for (int c = 0; c < BlockDim; ++c) J_p_[rows_ + k][c] = J(k, c);
     }
-    for (int k = 0; k < R; k += max_group_rows) {
-      groups_.push_back({std::int16_t(block), std::int16_t(rows_ + k), std::int16_t(std::min(R - k, max_group_rows))});
+    constexpr int at_once = R % max_group_rows == 0 ? max_group_rows : 2;
+    for (int k = 0; k < R; k += at_once) {
+      groups_.push_back({std::int16_t(block), std::int16_t(rows_ + k), std::int16_t(std::min(R - k, at_once))});
     }
     return add(J_l, r);
   }
