@@ -232,7 +232,7 @@ TEST_CASE("window_terms (lines): finish gives the covariance and drops what does
     seen.pixels.L *= 1e-3;
     seen.forget_depth();
   }
-  scene.terms->finish(scene.rig, *scene.store, scene.window, scene.views);
+  scene.terms->finish(scene.rig, *scene.store, scene.window, scene.views, scene.pairs);
   REQUIRE(landmarks[0].located);
   REQUIRE(landmarks[0].observation_count() == 4);
   Eigen::MatrixXd information = Dense<double>(scene).information(0);

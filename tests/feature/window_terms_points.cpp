@@ -300,7 +300,7 @@ TEMPLATE_TEST_CASE("window_terms (points): after convergence sigmas are set and 
   using S = TestType;
   Scene<S> scene;
   REQUIRE(scene.store.landmarks()[2].observations[3].valid);
-  scene.terms->finish(scene.rig, scene.store, scene.window, scene.views);
+  scene.terms->finish(scene.rig, scene.store, scene.window, scene.views, scene.pairs);
   REQUIRE_FALSE(scene.store.landmarks()[2].observations[3].valid);
   for (std::size_t i = 0; i < scene.store.landmarks().size(); ++i) {
     if (!scene.takes_part(i)) continue;
@@ -319,7 +319,7 @@ TEMPLATE_TEST_CASE("window_terms (points): a state that is no number never costs
     REQUIRE(std::isnan(scene.linearize()));
     REQUIRE(std::isnan(scene.terms->cost(scene.rig, scene.store, scene.window, scene.views)));
     REQUIRE_FALSE(scene.eliminate(S(1e-4), equations));
-    scene.terms->finish(scene.rig, scene.store, scene.window, scene.views);  // drops it, and all is well again
+    scene.terms->finish(scene.rig, scene.store, scene.window, scene.views, scene.pairs);  // drops it, and all is well again
     REQUIRE_FALSE(scene.store.landmarks()[1].observations[2].valid);
     REQUIRE(std::isfinite(scene.linearize()));
     REQUIRE(scene.eliminate(S(1e-4), equations));

@@ -111,9 +111,10 @@ class WindowTerms {
   }
 
   /// After convergence: drops observations that do not belong and landmarks that came to nothing, and gives the others
-  /// their covariance, the frames being given.
-  void finish(const Sensors& rig, Store& store, const auto& window, const Views& views) {
+  /// their covariance, the frames being given. Linearizes what is left, and adds its rows to `pairs`.
+  void finish(const Sensors& rig, Store& store, const auto& window, const Views& views, Pairs& pairs) {
     for_each(store, [&](Landmark& landmark, Elimination& rows) {
+      rows.reset();
       if (!landmark.takes_part()) return;
       const typename Kind::InAnchor in_anchor(landmark.geometry);
       for (int slot = 0; slot < slots; ++slot) {
@@ -131,6 +132,11 @@ class WindowTerms {
       const bool known = rows.covariance(covariance);
       if (!Kind::settle(landmark.geometry, landmark.seen_by_anchor(), known ? &covariance : nullptr)) {
         landmark.located = landmark.current.valid = false;
+      }
+      if (landmark.takes_part()) {
+        rows.add_to(pairs);
+      } else {
+        rows.reset();
       }
     });
   }
