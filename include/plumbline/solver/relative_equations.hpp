@@ -12,6 +12,7 @@
 #include <array>
 #include <bitset>
 #include <cstddef>
+#include <utility>
 
 #include "plumbline/core/assert.hpp"
 #include "plumbline/core/matrix.hpp"
@@ -46,9 +47,10 @@ class RelativeEquations {
     for (int n = 0; n < R; ++n) {
       for (int c = 0; c < BlockDim; ++c) rows[n][c] = S(J[n * BlockDim + c]);
     }
-    constexpr int half = BlockDim / 2 - BlockDim / 2 % 2;  // an even number keeps vectors aligned
-    add_columns<0, half>(rows, G_[k]);
-    add_columns<half, BlockDim>(rows, G_[k]);
+    [&]<int... c>(std::integer_sequence<int, c...>) {
+      (add_column<c>(rows, G_[k]), ...);
+    }
+    (std::make_integer_sequence<int, BlockDim>{});
     for (int n = 0; n < R; ++n) g_[k] += S(r[n]) * rows[n];
   }
 
@@ -76,17 +78,17 @@ class RelativeEquations {
   }
 
  private:
-  /// G += rows^T rows in columns [First, Last) from row First on: the lower triangle, and a little more.
-  template <int First, int Last, std::size_t R>
-  static void add_columns(const std::array<Vec<S, BlockDim>, R>& rows, Block& G) {
-    for (int c = First; c < Last; ++c) {
-      S* column = G.data() + c * BlockDim;
-      for (int k = First; k < BlockDim; ++k) {
-        S sum = rows[0][c] * rows[0][k];
-        for (std::size_t n = 1; n < R; ++n) sum += rows[n][c] * rows[n][k];
-        column[k] += sum;
-      }
-    }
+  static constexpr int alignment = BlockDim % 2 == 0 && sizeof(S) == 8 ? Eigen::Aligned16 : Eigen::Unaligned;
+
+  /// Column c of G += rows^T rows from its diagonal on, or one row above it: even numbers keep vectors aligned.
+  template <int c, std::size_t R>
+  static void add_column(const std::array<Vec<S, BlockDim>, R>& rows, Block& G) {
+    constexpr int first = c - c % 2;
+    using Part = Vec<S, BlockDim - first>;
+    using Rows = Eigen::Map<const Part, alignment>;
+    Part sum = rows[0][c] * Rows(rows[0].data() + first);
+    for (std::size_t n = 1; n < R; ++n) sum += rows[n][c] * Rows(rows[n].data() + first);
+    Eigen::Map<Part, alignment>(G.data() + c * BlockDim + first) += sum;
   }
   static Block symmetric(const Block& lower) {
     Block out;
