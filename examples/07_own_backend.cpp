@@ -74,7 +74,7 @@ class StructureBackend {
       if (!eliminate(landmarks, mu)) break;
       double moved = 0;
       landmarks.for_each_with(terms_, [&](auto& store, auto& terms) {
-        terms.solve(store, no_step, Layout::dim);
+        terms.solve(store, pairs_, no_step, Layout::dim);
         terms.step(store);
         moved += terms.cost(rig, store, window_, views_);
       });

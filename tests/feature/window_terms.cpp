@@ -148,8 +148,8 @@ TEMPLATE_TEST_CASE("window_terms: steps are made and taken back to the last bit"
   typename Scene<Seen>::Equations equations;
   equations.reset(scene.slots);
   REQUIRE(scene.terms->eliminate(*scene.store, typename Scene<Seen>::S(1e-3), scene.pairs, equations));
-  const double before = scene.cost(),
-               predicted = scene.terms->solve(*scene.store, Eigen::VectorXd::Zero(scene.pose_dim).eval(), 6);
+  const double before = scene.cost(), predicted = scene.terms->solve(*scene.store, scene.pairs,
+                                                                     Eigen::VectorXd::Zero(scene.pose_dim).eval(), 6);
   REQUIRE(predicted > 0);
   scene.terms->step(*scene.store);
   const double after = scene.cost();
@@ -198,7 +198,7 @@ TEMPLATE_TEST_CASE("window_terms: landmarks that take no part add nothing and ar
   scene.pairs.add_to(equations);
   REQUIRE(scene.terms->eliminate(*scene.store, typename Scene<Seen>::S(0), scene.pairs, equations));
   REQUIRE(equations.b().isZero(0));
-  REQUIRE(scene.terms->solve(*scene.store, Eigen::VectorXd::Ones(scene.pose_dim).eval(), 6) == 0);
+  REQUIRE(scene.terms->solve(*scene.store, scene.pairs, Eigen::VectorXd::Ones(scene.pose_dim).eval(), 6) == 0);
   scene.terms->step(*scene.store);
   scene.terms->for_each_leaving(1, scene.rig, *scene.store, scene.window, scene.views,
                                 [](const auto&) { FAIL("nothing leaves"); });

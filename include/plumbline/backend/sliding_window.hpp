@@ -233,7 +233,7 @@ class WindowBackend {
       if (!eliminate(mu) || !self.equations_.normal.solve(mu, self.equations_.step)) return false;
       predicted_decrease = self.equations_.normal.predicted_decrease(mu, self.equations_.step);
       landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
-        predicted_decrease += terms.solve(store, self.equations_.step, Layout::dim);
+        predicted_decrease += terms.solve(store, self.equations_.pairs, self.equations_.step, Layout::dim);
       });
       predicted_decrease += self.ties_.solve(self.terms_, self.equations_.step, Layout::dim);
       return true;

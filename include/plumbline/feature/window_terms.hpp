@@ -11,6 +11,7 @@
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/landmark_store.hpp"
 #include "plumbline/feature/window_views.hpp"
+#include "plumbline/solver/anchored_products.hpp"
 #include "plumbline/solver/landmark_elimination.hpp"
 #include "plumbline/state/layout.hpp"
 
@@ -45,10 +46,15 @@ class WindowTerms {
   /// Eliminates all landmarks with damping `mu`: takes from the normal equations what `pairs` has too much.
   template <class Equations>
   bool eliminate(const Store& store, S mu, const Pairs& pairs, Equations& equations) {
-    for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
-      if (eliminations_[i].rows() == 0) continue;
-      if (!eliminations_[i].eliminate(mu, pairs)) return false;
-      eliminations_[i].subtract_from(equations);
+    for (int anchor = 0; anchor < slots; ++anchor) {
+      products_.reset();
+      for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
+        Elimination& landmark = eliminations_[i];
+        if (landmark.rows() == 0 || landmark.anchor() != anchor) continue;
+        if (!landmark.eliminate(mu)) return false;
+        landmark.add_to(products_);
+      }
+      products_.subtract_from(equations, anchor, pairs);
     }
     return true;
   }
@@ -56,13 +62,18 @@ class WindowTerms {
   /// The landmarks' steps that belong to the frames' step d, whose blocks are `stride` numbers long; returns what they
   /// add to the predicted decrease.
   template <class Vector>
-  double solve(const Store& store, const Vector& d, int stride) {
+  double solve(const Store& store, const Pairs& pairs, const Vector& d, int stride) {
     double predicted = 0;
-    for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
-      set_zero(steps_[i]);
-      if (eliminations_[i].rows() == 0) continue;
-      steps_[i] = eliminations_[i].back_substitute(d, stride);
-      predicted += eliminations_[i].predicted_decrease(steps_[i]);
+    set_zero(steps_);
+    for (int anchor = 0; anchor < slots; ++anchor) {
+      auto relative_steps = pairs.steps(anchor, d, stride);
+      for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
+        const Elimination& landmark = eliminations_[i];
+        if (landmark.rows() == 0 || landmark.anchor() != anchor) continue;
+        steps_[i] = landmark.is_complete() ? landmark.back_substitute(d, stride)
+                                           : landmark.back_substitute_relative(relative_steps);
+        predicted += landmark.predicted_decrease(steps_[i]);
+      }
     }
     return predicted;
   }
@@ -184,6 +195,7 @@ class WindowTerms {
   }
 
   std::array<Elimination, Store::capacity> eliminations_;
+  AnchoredProducts<double, state::Pose::dim, slots> products_;  ///< scratch
   std::array<Vec<S, Kind::dim>, Store::capacity> steps_;
   std::array<typename Kind::Geometry, Store::capacity> backup_;
 };

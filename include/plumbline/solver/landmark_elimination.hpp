@@ -13,8 +13,9 @@
 /// Rows are kept as S, the arithmetic is that of Acc. Blocks of the normal equations may be larger than BlockDim: the
 /// rows then belong to their leading parameters.
 ///
-/// Per iteration: reset, add ..., add_to the pairs, then for each mu: eliminate, subtract_from, (absorb), (solve),
-/// back_substitute.
+/// Per iteration: reset, add ..., add_to the pairs, then for each mu: eliminate, add_to the products of its anchor,
+/// (complete, absorb), (solve), back_substitute_relative. One landmark alone may as well be complete at once, with the
+/// anchor's columns of A: eliminate with the pairs, subtract_from, back_substitute.
 ///
 /// Rows that tie the landmark to a second one wait until it is eliminated. One more reflection with its triangle takes
 /// it out of them: what is left belongs to the blocks and to the second landmark, which absorbs them in turn.
@@ -29,6 +30,7 @@
 
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/solver/anchored_products.hpp"
 #include "plumbline/solver/block_rows.hpp"
 #include "plumbline/solver/householder.hpp"
 #include "plumbline/solver/normal_equations.hpp"
@@ -54,6 +56,7 @@ class LandmarkElimination {
   }
 
   int rows() const { return rows_; }
+  int anchor() const { return anchor_; }
 
   /// Rows that see `block` from the anchor, already multiplied with sqrt(weight); J by the parameters of `block`.
   /// False, and nothing kept, when full.
@@ -91,38 +94,48 @@ class LandmarkElimination {
     }
   }
 
-  /// (10), with the transports of the pairs. False when the landmark is not determined (and mu is 0), or anything is
+  /// (10), but for the anchor's columns of A. False when the landmark is not determined (and mu is 0), or anything is
   /// not finite: leave it out then.
-  bool eliminate(S mu, const Pairs& pairs) {
+  bool eliminate(S mu) {
     mu_ = Acc(mu);
     Columns Q;
     if (!factorize(Q)) return false;
-    for (int l = 0; l < LandmarkDim; ++l) {
-      Acc sum = Acc(0);
-      for (int k = 0; k < rows_; ++k) sum += Acc(r_[k]) * Q[l][k];
-      c_[l] = sum;
+    set_zero(c_);
+    for (int k = 0; k < rows_; ++k) {
+      for (int l = 0; l < LandmarkDim; ++l) c_[l] += Acc(r_[k]) * Q[l][k];
     }
     touched_.reset();
     for (const Group& group : groups_) {
       if (!touched_[group.block]) set_zero(A_[group.block]);
       touched_[group.block] = true;
-      unrolled(group, [&]<int R>() { add_products<R>(Q, group.first_row, A_[group.block]); });
-    }
-    if (anchor_ != no_anchor) {
-      Strip A_a;
-      set_zero(A_a);
-      for (int j = 0; j < MaxBlocks; ++j) {
-        if (!touched_[j]) continue;
-        const typename Pairs::Block& M = pairs.transport(anchor_, j);
-        for (int l = 0; l < LandmarkDim; ++l) A_a[l].noalias() -= M.transpose() * A_[j][l];
-      }
-      A_[anchor_] = A_a;
-      touched_[anchor_] = true;
+      unrolled(group, [&]<int R>() { add_products<R>(Q, group.first_row, &J_p_[group.first_row], A_[group.block]); });
     }
     return is_finite();
   }
+  /// The anchor's columns too, with the transports of the pairs.
+  void complete(const Pairs& pairs) {
+    if (is_complete()) return;
+    Strip A_a;
+    set_zero(A_a);
+    for (int j = 0; j < MaxBlocks; ++j) {
+      if (!touched_[j]) continue;
+      const typename Pairs::Block& M = pairs.transport(anchor_, j);
+      for (int l = 0; l < LandmarkDim; ++l) A_a[l].noalias() -= M.transpose() * A_[j][l];
+    }
+    A_[anchor_] = A_a;
+    touched_[anchor_] = true;
+  }
+  bool is_complete() const { return anchor_ == no_anchor || touched_[anchor_]; }
+  /// (10), complete.
+  bool eliminate(S mu, const Pairs& pairs) {
+    if (!eliminate(mu)) return false;
+    complete(pairs);
+    return true;
+  }
 
-  /// The part -A^T A, -A^T c of (11), after a successful eliminate.
+  /// A^T A, A^T c of (11) without the anchor's columns, after a successful eliminate.
+  void add_to(AnchoredProducts<Acc, BlockDim, MaxBlocks>& products) const { products.add(touched_, A_, c_); }
+  /// The part -A^T A, -A^T c of (11), complete.
   template <int NormalDim, int NormalBlocks>
   void subtract_from(NormalEquations<Acc, NormalDim, NormalBlocks>& normal) const {
     static_assert(BlockDim <= NormalDim,
@@ -138,7 +151,7 @@ class LandmarkElimination {
     }
   }
 
-  /// (13), after `subtract_from`: J_l by this landmark of `rows`, which keep what is left of them. Returns B.
+  /// (13), complete, after its products were taken: J_l by this landmark of `rows`, which keep what is left of them. Returns B.
   template <std::size_t R, int OtherDim>
   Mat<Acc, LandmarkDim, OtherDim> absorb(std::array<Vec<Acc, LandmarkDim>, R> J_l,
                                          BlockRows<Acc, R, BlockDim, MaxBlocks, OtherDim>& rows) {
@@ -173,27 +186,19 @@ class LandmarkElimination {
     return out;
   }
 
-  /// (12), for the poses' step d; `stride` is the block_dim of the normal equations.
+  /// (12), for the poses' step d; `stride` is the block_dim of the normal equations. `by_other`, of a landmark that
+  /// absorbed rows: B of (13) times the step of the other one.
   template <class D>
-  Vec<S, LandmarkDim> back_substitute(const Eigen::MatrixBase<D>& d, int stride = BlockDim) const {
-    return back_substitute(d, stride, zeros<Acc, LandmarkDim>());
+  Vec<S, LandmarkDim> back_substitute(const Eigen::MatrixBase<D>& d, int stride = BlockDim,
+                                      const Vec<Acc, LandmarkDim>& by_other = zeros<Acc, LandmarkDim>()) const {
+    return step(by_other, [&](int j) {
+      Vec<Acc, BlockDim> d_j;
+      for (int c = 0; c < BlockDim; ++c) d_j[c] = Acc(d[j * stride + c]);
+      return d_j;
+    });
   }
-  /// The same of a landmark that absorbed rows: `by_other` is B of (13) times the step of the other one.
-  template <class D>
-  Vec<S, LandmarkDim> back_substitute(const Eigen::MatrixBase<D>& d, int stride,
-                                      const Vec<Acc, LandmarkDim>& by_other) const {
-    Column rhs = c_ + by_other;
-    for (int j = 0; j < MaxBlocks; ++j) {
-      if (!touched_[j]) continue;
-      for (int l = 0; l < LandmarkDim; ++l) {
-        for (int c = 0; c < BlockDim; ++c) rhs[l] += A_[j][l][c] * Acc(d[j * stride + c]);
-      }
-    }
-    solve_triangle(rhs);
-    Vec<S, LandmarkDim> dl;
-    for (int l = 0; l < LandmarkDim; ++l) dl[l] = S(-rhs[l]);
-    return dl;
-  }
+  /// The same without the anchor's columns, from what RelativeEquations::steps gives of its anchor.
+  Vec<S, LandmarkDim> back_substitute_relative(auto&& steps) const { return step(zeros<Acc, LandmarkDim>(), steps); }
 
   /// What this landmark adds to NormalEquations::predicted_decrease of the same mu, for its step dl.
   Acc predicted_decrease(const Vec<S, LandmarkDim>& dl) const {
@@ -290,16 +295,28 @@ class LandmarkElimination {
   }
   /// A += sum_k q_k j_k^T over R rows.
   template <int R>
-  void add_products(const Columns& Q, int first, Strip& A) const {
+  EIGEN_DONT_INLINE static void add_products(const Columns& Q, int first, const PoseRow* j, Strip& A) {
     std::array<Vec<Acc, BlockDim>, R> rows;
     for (int k = 0; k < R; ++k) {
-      for (int c = 0; c < BlockDim; ++c) rows[k][c] = Acc(J_p_[first + k][c]);
+      for (int c = 0; c < BlockDim; ++c) rows[k][c] = Acc(j[k][c]);
     }
     for (int l = 0; l < LandmarkDim; ++l) {
       Vec<Acc, BlockDim> sum = A[l];
       for (int k = 0; k < R; ++k) sum += Q[l][first + k] * rows[k];
       A[l] = sum;
     }
+  }
+  Vec<S, LandmarkDim> step(const Column& by_other, auto&& step_of) const {
+    Column rhs = c_ + by_other;
+    for (int j = 0; j < MaxBlocks; ++j) {
+      if (!touched_[j]) continue;
+      const Vec<Acc, BlockDim>& d_j = step_of(j);
+      for (int l = 0; l < LandmarkDim; ++l) rhs[l] += plumbline::dot(A_[j][l], d_j);
+    }
+    solve_triangle(rhs);
+    Vec<S, LandmarkDim> dl;
+    for (int l = 0; l < LandmarkDim; ++l) dl[l] = S(-rhs[l]);
+    return dl;
   }
   /// x <- R1^-1 x
   void solve_triangle(Column& x) const {

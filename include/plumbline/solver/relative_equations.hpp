@@ -34,6 +34,22 @@ class RelativeEquations {
   const Block& transport(int a, int j) const { return M_[index(a, j)]; }
   void set_transport(int a, int j, const Block& M) { M_[index(a, j)] = M; }
 
+  /// Steps d of all blocks as rows anchored in a see them, d_j - M_ja d_a; d_j begins `stride` numbers after d_(j-1).
+  template <class D>
+  auto steps(int a, const D& d, int stride) const {
+    return [this, a, &d, stride, known = std::bitset<MaxBlocks>(),
+            steps = std::array<Vec<S, BlockDim>, MaxBlocks>()](int j) mutable -> const Vec<S, BlockDim>& {
+      if (known[j]) return steps[j];
+      known[j] = true;
+      const auto step_of = [&](int block) {
+        Vec<S, BlockDim> out;
+        for (int c = 0; c < BlockDim; ++c) out[c] = S(d[block * stride + c]);
+        return out;
+      };
+      return steps[j] = step_of(j) - transport(a, j) * step_of(a);
+    };
+  }
+
   /// (9b) for R rows of BlockDim numbers, one after the other, and r.
   template <int R, class T>
   void add(int a, int j, const T* J, const T* r) {
@@ -47,10 +63,7 @@ class RelativeEquations {
     for (int n = 0; n < R; ++n) {
       for (int c = 0; c < BlockDim; ++c) rows[n][c] = S(J[n * BlockDim + c]);
     }
-    [&]<int... c>(std::integer_sequence<int, c...>) {
-      (add_column<c>(rows, G_[k]), ...);
-    }
-    (std::make_integer_sequence<int, BlockDim>{});
+    add_lower_product(rows, G_[k]);
     for (int n = 0; n < R; ++n) g_[k] += S(r[n]) * rows[n];
   }
 
@@ -77,9 +90,24 @@ class RelativeEquations {
     }
   }
 
- private:
+  /// Of columns of BlockDim numbers inside a Block.
   static constexpr int alignment = BlockDim % 2 == 0 && sizeof(S) == 8 ? Eigen::Aligned16 : Eigen::Unaligned;
 
+  /// G += rows^T rows, its lower triangle and a little more.
+  template <std::size_t R>
+  EIGEN_DONT_INLINE static void add_lower_product(const std::array<Vec<S, BlockDim>, R>& rows, Block& G) {
+    [&]<int... c>(std::integer_sequence<int, c...>) { (add_column<c>(rows, G), ...); }
+    (std::make_integer_sequence<int, BlockDim>{});
+  }
+  static Block symmetric(const Block& lower) {
+    Block out;
+    for (int c = 0; c < BlockDim; ++c) {
+      for (int r = c; r < BlockDim; ++r) out(r, c) = out(c, r) = lower(r, c);
+    }
+    return out;
+  }
+
+ private:
   /// Column c of G += rows^T rows from its diagonal on, or one row above it: even numbers keep vectors aligned.
   template <int c, std::size_t R>
   static void add_column(const std::array<Vec<S, BlockDim>, R>& rows, Block& G) {
@@ -90,14 +118,6 @@ class RelativeEquations {
     for (std::size_t n = 1; n < R; ++n) sum += rows[n][c] * Rows(rows[n].data() + first);
     Eigen::Map<Part, alignment>(G.data() + c * BlockDim + first) += sum;
   }
-  static Block symmetric(const Block& lower) {
-    Block out;
-    for (int c = 0; c < BlockDim; ++c) {
-      for (int r = c; r < BlockDim; ++r) out(r, c) = out(c, r) = lower(r, c);
-    }
-    return out;
-  }
-
   static constexpr std::size_t index(int a, int j) {
     PLUMBLINE_ASSERT(a >= 0 && a < MaxBlocks && j >= 0 && j < MaxBlocks);
     return std::size_t(a) * MaxBlocks + std::size_t(j);
