@@ -12,6 +12,7 @@
 #include <cstddef>
 
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/solver/block_products.hpp"
 #include "plumbline/solver/normal_equations.hpp"
 #include "plumbline/solver/relative_equations.hpp"
 
@@ -41,7 +42,7 @@ class AnchoredProducts {
       for (int l = 1; l < int(R); ++l) sum += c[l] * A[i][l];
       p_[i] += sum;
       for (int m = 0; m < k; ++m) add_product(A[i], A[blocks[m]], P_[index(i, blocks[m])]);
-      Pairs::add_lower_product(A[i], P_[index(i, i)]);
+      add_lower_product(A[i], P_[index(i, i)]);
     }
   }
 
@@ -49,7 +50,7 @@ class AnchoredProducts {
   template <int NormalDim, int NormalBlocks>
   void subtract_from(NormalEquations<S, NormalDim, NormalBlocks>& normal, int anchor, const Pairs& pairs) {
     for (int i = 0; i < MaxBlocks; ++i) {
-      if (seen_[i]) P_[index(i, i)] = Pairs::symmetric(P_[index(i, i)]);
+      if (seen_[i]) P_[index(i, i)] = symmetric_block(P_[index(i, i)]);
     }
     for (int i = 0; i < MaxBlocks; ++i) {
       if (!seen_[i]) continue;
@@ -89,17 +90,6 @@ class AnchoredProducts {
     set_zero(p_[i]);
     for (int j = 0; j < MaxBlocks; ++j) {
       if (seen_[j]) set_zero(P_[j < i ? index(i, j) : index(j, i)]);
-    }
-  }
-
-  /// P += sum_k a_k b_k^T
-  template <std::size_t R>
-  EIGEN_DONT_INLINE static void add_product(const std::array<Vec<S, BlockDim>, R>& a,
-                                            const std::array<Vec<S, BlockDim>, R>& b, Block& P) {
-    for (int d = 0; d < BlockDim; ++d) {
-      Vec<S, BlockDim> sum = b[0][d] * a[0];
-      for (std::size_t k = 1; k < R; ++k) sum += b[k][d] * a[k];
-      Eigen::Map<Vec<S, BlockDim>, Pairs::alignment>(P.data() + d * BlockDim) += sum;
     }
   }
 

@@ -12,10 +12,10 @@
 #include <array>
 #include <bitset>
 #include <cstddef>
-#include <utility>
 
 #include "plumbline/core/assert.hpp"
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/solver/block_products.hpp"
 #include "plumbline/solver/normal_equations.hpp"
 
 namespace plumbline {
@@ -74,7 +74,7 @@ class RelativeEquations {
       for (int j = 0; j < MaxBlocks; ++j) {
         const std::size_t k = index(a, j);
         if (!used_[k]) continue;
-        const Block G = symmetric(G_[k]);
+        const Block G = symmetric_block(G_[k]);
         normal.add_block(j, j, G);
         normal.add_gradient(j, g_[k]);
         if (a == j) continue;
@@ -90,34 +90,7 @@ class RelativeEquations {
     }
   }
 
-  /// Of columns of BlockDim numbers inside a Block.
-  static constexpr int alignment = BlockDim % 2 == 0 && sizeof(S) == 8 ? Eigen::Aligned16 : Eigen::Unaligned;
-
-  /// G += rows^T rows, its lower triangle and a little more.
-  template <std::size_t R>
-  EIGEN_DONT_INLINE static void add_lower_product(const std::array<Vec<S, BlockDim>, R>& rows, Block& G) {
-    [&]<int... c>(std::integer_sequence<int, c...>) { (add_column<c>(rows, G), ...); }
-    (std::make_integer_sequence<int, BlockDim>{});
-  }
-  static Block symmetric(const Block& lower) {
-    Block out;
-    for (int c = 0; c < BlockDim; ++c) {
-      for (int r = c; r < BlockDim; ++r) out(r, c) = out(c, r) = lower(r, c);
-    }
-    return out;
-  }
-
  private:
-  /// Column c of G += rows^T rows from its diagonal on, or one row above it: even numbers keep vectors aligned.
-  template <int c, std::size_t R>
-  static void add_column(const std::array<Vec<S, BlockDim>, R>& rows, Block& G) {
-    constexpr int first = c - c % 2;
-    using Part = Vec<S, BlockDim - first>;
-    using Rows = Eigen::Map<const Part, alignment>;
-    Part sum = rows[0][c] * Rows(rows[0].data() + first);
-    for (std::size_t n = 1; n < R; ++n) sum += rows[n][c] * Rows(rows[n].data() + first);
-    Eigen::Map<Part, alignment>(G.data() + c * BlockDim + first) += sum;
-  }
   static constexpr std::size_t index(int a, int j) {
     PLUMBLINE_ASSERT(a >= 0 && a < MaxBlocks && j >= 0 && j < MaxBlocks);
     return std::size_t(a) * MaxBlocks + std::size_t(j);
