@@ -218,11 +218,15 @@ class WindowBackend {
     bool eliminate(double mu) {
       self.equations_.begin();
       self.equations_.pairs.add_to(self.equations_.normal);
-      bool eliminated = true;
-      landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
-        eliminated = eliminated && terms.eliminate(store, S(mu), self.equations_.pairs, self.equations_.normal);
-      });
-      if (!eliminated) return false;
+      for (int anchor = 0; anchor < K; ++anchor) {
+        bool eliminated = true;
+        self.equations_.products.reset();
+        landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
+          eliminated = eliminated && terms.eliminate(store, S(mu), anchor, self.equations_.products);
+        });
+        if (!eliminated) return false;
+        self.equations_.products.subtract_from(self.equations_.normal, anchor, self.equations_.pairs);
+      }
       self.ties_.eliminate(landmarks, self.terms_, self.equations_.pairs, self.equations_.normal);
       self.known_.add_to(self.window_, self.equations_);
       self.equations_.add_known(self.window_, self.prior_, self.links_);

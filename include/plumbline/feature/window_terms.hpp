@@ -29,6 +29,7 @@ class WindowTerms {
   static constexpr int max_rows = Kind::rows_per_view * slots + Kind::damping_rows;
   using Elimination = LandmarkElimination<S, Kind::dim, state::Pose::dim, slots, max_rows>;
   using Pairs = typename Elimination::Pairs;
+  using Products = AnchoredProducts<double, state::Pose::dim, slots>;
 
   /// Linearizes all landmarks at the current state, adds their rows to `pairs` and returns their cost.
   double linearize(const Sensors& rig, const Store& store, const auto& window, const Views& views, Pairs& pairs) {
@@ -43,18 +44,25 @@ class WindowTerms {
     return cost;
   }
 
-  /// Eliminates all landmarks with damping `mu`: takes from the normal equations what `pairs` has too much.
+  /// Eliminates the landmarks of one anchor with damping `mu`: what is taken from the normal equations for them, which
+  /// have too much from `pairs`.
+  bool eliminate(const Store& store, S mu, int anchor, Products& products) {
+    for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
+      Elimination& landmark = eliminations_[i];
+      if (landmark.rows() == 0 || landmark.anchor() != anchor) continue;
+      if (!landmark.eliminate(mu)) return false;
+      landmark.add_to(products);
+    }
+    return true;
+  }
+  /// The same of all, where there is one kind alone.
   template <class Equations>
   bool eliminate(const Store& store, S mu, const Pairs& pairs, Equations& equations) {
+    Products products;
     for (int anchor = 0; anchor < slots; ++anchor) {
-      products_.reset();
-      for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
-        Elimination& landmark = eliminations_[i];
-        if (landmark.rows() == 0 || landmark.anchor() != anchor) continue;
-        if (!landmark.eliminate(mu)) return false;
-        landmark.add_to(products_);
-      }
-      products_.subtract_from(equations, anchor, pairs);
+      products.reset();
+      if (!eliminate(store, mu, anchor, products)) return false;
+      products.subtract_from(equations, anchor, pairs);
     }
     return true;
   }
@@ -195,7 +203,6 @@ class WindowTerms {
   }
 
   std::array<Elimination, Store::capacity> eliminations_;
-  AnchoredProducts<double, state::Pose::dim, slots> products_;  ///< scratch
   std::array<Vec<S, Kind::dim>, Store::capacity> steps_;
   std::array<typename Kind::Geometry, Store::capacity> backup_;
 };

@@ -58,13 +58,9 @@ class AnchoredProducts {
       set_zero(PM);
       for (int j = 0; j < MaxBlocks; ++j) {
         if (!seen_[j]) continue;
-        const Block& M = pairs.transport(anchor, j);
-        if (j <= i) {
-          normal.add_block(i, j, Block(-P_[index(i, j)]));
-          PM += P_[index(i, j)] * M;
-        } else {
-          PM += P_[index(j, i)].transpose() * M;
-        }
+        const Block P = j <= i ? P_[index(i, j)] : Block(P_[index(j, i)].transpose());
+        if (j <= i) normal.add_block(i, j, Block(-P));
+        PM += P * pairs.transport(anchor, j);
       }
       if (i > anchor) {
         normal.add_block(i, anchor, PM);
