@@ -26,6 +26,11 @@ void check() {
   Mat<S, N, N> found = G;
   add_product(a, b, found);
   REQUIRE(relative_error(found.template cast<double>(), expected) < tolerance);
+  const Mat<S, N, N> A = random_matrix<S, N, N>(random), B = random_matrix<S, N, N>(random);
+  found = G;
+  add_product(A, B, found);
+  expected = G.template cast<double>() + A.template cast<double>() * B.template cast<double>();
+  REQUIRE(relative_error(found.template cast<double>(), expected) < tolerance);
   found = G;
   add_lower_product(a, found);
   found = symmetric_block(found);

@@ -60,7 +60,7 @@ class AnchoredProducts {
         if (!seen_[j]) continue;
         const Block P = j <= i ? P_[index(i, j)] : Block(P_[index(j, i)].transpose());
         if (j <= i) normal.add_block(i, j, Block(-P));
-        PM += P * pairs.transport(anchor, j);
+        add_product(P, pairs.transport(anchor, j), PM);
       }
       if (i > anchor) {
         normal.add_block(i, anchor, PM);

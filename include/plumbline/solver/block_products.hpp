@@ -33,6 +33,17 @@ EIGEN_DONT_INLINE void add_product(const std::array<Vec<S, N>, R>& a, const std:
   for (int d = 0; d < N; ++d) detail::add_column<0>(a, b, d, G);
 }
 
+/// G += A B
+template <class S, int N>
+EIGEN_DONT_INLINE void add_product(const Mat<S, N, N>& A, const Mat<S, N, N>& B, Mat<S, N, N>& G) {
+  using Column = Eigen::Map<const Vec<S, N>, N * sizeof(S) % 16 == 0 ? Eigen::Aligned16 : 0>;
+  for (int c = 0; c < N; ++c) {
+    Vec<S, N> sum = B(0, c) * Column(A.data());
+    for (int k = 1; k < N; ++k) sum += B(k, c) * Column(A.data() + k * N);
+    G.col(c) += sum;
+  }
+}
+
 /// G += sum_k a_k a_k^T, its lower triangle and what stands right above it: even numbers keep vectors aligned.
 template <class S, int N, std::size_t R>
 EIGEN_DONT_INLINE void add_lower_product(const std::array<Vec<S, N>, R>& a, Mat<S, N, N>& G) {
