@@ -74,15 +74,17 @@ class StructureBackend {
       if (!eliminate(landmarks, mu)) break;
       double moved = 0;
       landmarks.for_each_with(terms_, [&](auto& store, auto& terms) {
-        terms.solve(store, no_step, Layout::dim);
+        terms.solve(store, pairs_, no_step, Layout::dim);
         terms.step(store);
         moved += terms.cost(rig, store, window_, views_);
       });
       mu *= moved < cost ? 0.1 : 10;
       if (!(moved < cost)) landmarks.for_each_with(terms_, [](auto& store, auto& terms) { terms.restore(store); });
     }
-    landmarks.for_each_with(terms_, [&](auto& store, auto& terms) { terms.finish(rig, store, window_, views_); });
-    grow_covariance(rig, landmarks);
+    pairs_.reset();
+    landmarks.for_each_with(terms_,
+                            [&](auto& store, auto& terms) { terms.finish(rig, store, window_, views_, pairs_); });
+    grow_covariance(landmarks);
   }
 
   /// A frame leaves without a trace but what the map keeps of it.
@@ -119,10 +121,9 @@ class StructureBackend {
   }
 
   /// The newest keyframe is known from the one before it, as well as the landmarks tie it to all others.
-  void grow_covariance(const Sensors& rig, const Landmarks& landmarks) {
+  void grow_covariance(const Landmarks& landmarks) {
     const int newest = window_.newest();
     if (before_ == none || before_ == newest) return;
-    linearize(rig, landmarks);
     if (!eliminate(landmarks, 1e-9)) return;
     const pl::Mat<double, 6, 6> fixed = 1e12 * pl::Mat<double, 6, 6>::Identity();
     for (int k = 0; k < K; ++k) {

@@ -106,7 +106,7 @@ struct Scene : test::SeenPoints<S, Rig<Mono<Pinhole<S>, 64 * 64>>> {
     typename Equations::Vector d;
     REQUIRE(equations.solve(0, d));
     double predicted = equations.predicted_decrease(0, d);
-    predicted += point_terms->solve(*Base::store, d, 6) + line_terms->solve(*lines, d, 6);
+    predicted += point_terms->solve(*Base::store, pairs, d, 6) + line_terms->solve(*lines, pairs, d, 6);
     predicted += terms->solve(*line_terms, *point_terms, d, 6);
     for (int k = 0; k < Base::used; ++k) {
       Vec<S, 6> d_k;

@@ -122,7 +122,7 @@ TEMPLATE_TEST_CASE("window_terms: a landmark's covariance is that of the residua
                                    if (!defines) add(lin.J_r_lambda, lin.r, L, loss);
                                  });
   }
-  scene.terms->finish(scene.rig, *scene.store, scene.window, scene.views);
+  scene.terms->finish(scene.rig, *scene.store, scene.window, scene.views, scene.pairs);
   REQUIRE(landmark.located);
   Mat<double, Kind::dim, Kind::dim> covariance;
   if constexpr (is_line) {
@@ -148,8 +148,8 @@ TEMPLATE_TEST_CASE("window_terms: steps are made and taken back to the last bit"
   typename Scene<Seen>::Equations equations;
   equations.reset(scene.slots);
   REQUIRE(scene.terms->eliminate(*scene.store, typename Scene<Seen>::S(1e-3), scene.pairs, equations));
-  const double before = scene.cost(),
-               predicted = scene.terms->solve(*scene.store, Eigen::VectorXd::Zero(scene.pose_dim).eval(), 6);
+  const double before = scene.cost(), predicted = scene.terms->solve(*scene.store, scene.pairs,
+                                                                     Eigen::VectorXd::Zero(scene.pose_dim).eval(), 6);
   REQUIRE(predicted > 0);
   scene.terms->step(*scene.store);
   const double after = scene.cost();
@@ -157,6 +157,30 @@ TEMPLATE_TEST_CASE("window_terms: steps are made and taken back to the last bit"
   if (Seen::Sensors::has_depth) REQUIRE(before - after == Approx(predicted).epsilon(0.5));  // far from linear else
   scene.terms->restore(*scene.store);
   REQUIRE(scene.cost() == before);
+}
+
+TEMPLATE_TEST_CASE("window_terms: in the end what is left is linearized", "", SCENES) {
+  using Seen = TestType;
+  Scene<Seen> scene(6);
+  scene.landmarks()[0].located = false;
+  auto& unseen = scene.landmarks()[1];
+  for (int k = 0; k < scene.used; ++k) unseen.observations[std::size_t(k)].valid = k == unseen.anchor;
+  const auto equations = [&] {
+    auto out = std::make_unique<typename Scene<Seen>::Equations>();
+    out->reset(scene.slots);
+    scene.pairs.add_to(*out);
+    REQUIRE(scene.terms->eliminate(*scene.store, typename Scene<Seen>::S(1e-3), scene.pairs, *out));
+    return out;
+  };
+  scene.linearize();  // what is added to it must not remain
+  scene.pairs.reset();
+  scene.terms->finish(scene.rig, *scene.store, scene.window, scene.views, scene.pairs);
+  const auto in_the_end = equations();
+  scene.linearize();
+  const auto anew = equations();
+  REQUIRE(anew->b().norm() > 0);
+  REQUIRE(in_the_end->H() == anew->H());
+  REQUIRE(in_the_end->b() == anew->b());
 }
 
 TEMPLATE_TEST_CASE("window_terms: landmarks that take no part add nothing and are not moved", "", SCENES) {
@@ -174,7 +198,7 @@ TEMPLATE_TEST_CASE("window_terms: landmarks that take no part add nothing and ar
   scene.pairs.add_to(equations);
   REQUIRE(scene.terms->eliminate(*scene.store, typename Scene<Seen>::S(0), scene.pairs, equations));
   REQUIRE(equations.b().isZero(0));
-  REQUIRE(scene.terms->solve(*scene.store, Eigen::VectorXd::Ones(scene.pose_dim).eval(), 6) == 0);
+  REQUIRE(scene.terms->solve(*scene.store, scene.pairs, Eigen::VectorXd::Ones(scene.pose_dim).eval(), 6) == 0);
   scene.terms->step(*scene.store);
   scene.terms->for_each_leaving(1, scene.rig, *scene.store, scene.window, scene.views,
                                 [](const auto&) { FAIL("nothing leaves"); });

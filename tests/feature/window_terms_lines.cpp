@@ -165,7 +165,7 @@ TEMPLATE_TEST_CASE("window_terms (lines): cost and steps are those of the dense 
     REQUIRE(scene.eliminate(S(mu), equations));
     typename Scene<S>::Equations::Vector d;
     REQUIRE(equations.solve(0, d));
-    const double predicted = equations.predicted_decrease(0, d) + scene.terms->solve(*scene.store, d, 6);
+    const double predicted = equations.predicted_decrease(0, d) + scene.terms->solve(*scene.store, scene.pairs, d, 6);
 
     Eigen::MatrixXd H = dense.J.transpose() * dense.J;
     H.diagonal().head(dense.lines).array() += 1;  // (31)
@@ -206,7 +206,7 @@ TEST_CASE("window_terms (lines): lines converge to the truth between true poses"
     Scene<double>::Equations equations;
     equations.reset(scene.slots);
     REQUIRE(scene.eliminate(0, equations));
-    scene.terms->solve(*scene.store, Eigen::VectorXd::Zero(scene.pose_dim).eval(), 6);
+    scene.terms->solve(*scene.store, scene.pairs, Eigen::VectorXd::Zero(scene.pose_dim).eval(), 6);
     scene.terms->step(*scene.store);
   }
   REQUIRE(scene.cost() < 1e-6);
@@ -232,7 +232,7 @@ TEST_CASE("window_terms (lines): finish gives the covariance and drops what does
     seen.pixels.L *= 1e-3;
     seen.forget_depth();
   }
-  scene.terms->finish(scene.rig, *scene.store, scene.window, scene.views);
+  scene.terms->finish(scene.rig, *scene.store, scene.window, scene.views, scene.pairs);
   REQUIRE(landmarks[0].located);
   REQUIRE(landmarks[0].observation_count() == 4);
   Eigen::MatrixXd information = Dense<double>(scene).information(0);

@@ -215,7 +215,7 @@ TEMPLATE_TEST_CASE("window_terms (points): steps and predicted decrease are thos
   REQUIRE(scene.eliminate(S(mu), equations));
   typename Scene<S>::Equations::Vector d;
   REQUIRE(equations.solve(mu, d));
-  const double predicted = equations.predicted_decrease(mu, d) + scene.terms->solve(scene.store, d, 6);
+  const double predicted = equations.predicted_decrease(mu, d) + scene.terms->solve(scene.store, scene.pairs, d, 6);
 
   // The model's decrease, written out: -d.g - 1/2 d.H d over poses and landmarks, nothing eliminated.
   double expected = -50 * d.squaredNorm();
@@ -262,7 +262,7 @@ TEMPLATE_TEST_CASE("window_terms (points): inverse ranges stay where a point can
   typename Scene<S>::Equations equations;
   equations.reset(slots);
   REQUIRE(scene.eliminate(S(0), equations));
-  scene.terms->solve(scene.store, Eigen::VectorXd::Zero(pose_dim).eval(), 6);
+  scene.terms->solve(scene.store, scene.pairs, Eigen::VectorXd::Zero(pose_dim).eval(), 6);
   scene.terms->step(scene.store);
   REQUIRE(landmark.geometry.inverse_range == Scene<S>::Kind::lambda_min);
 }
@@ -300,7 +300,7 @@ TEMPLATE_TEST_CASE("window_terms (points): after convergence sigmas are set and 
   using S = TestType;
   Scene<S> scene;
   REQUIRE(scene.store.landmarks()[2].observations[3].valid);
-  scene.terms->finish(scene.rig, scene.store, scene.window, scene.views);
+  scene.terms->finish(scene.rig, scene.store, scene.window, scene.views, scene.pairs);
   REQUIRE_FALSE(scene.store.landmarks()[2].observations[3].valid);
   for (std::size_t i = 0; i < scene.store.landmarks().size(); ++i) {
     if (!scene.takes_part(i)) continue;
@@ -319,7 +319,8 @@ TEMPLATE_TEST_CASE("window_terms (points): a state that is no number never costs
     REQUIRE(std::isnan(scene.linearize()));
     REQUIRE(std::isnan(scene.terms->cost(scene.rig, scene.store, scene.window, scene.views)));
     REQUIRE_FALSE(scene.eliminate(S(1e-4), equations));
-    scene.terms->finish(scene.rig, scene.store, scene.window, scene.views);  // drops it, and all is well again
+    scene.terms->finish(scene.rig, scene.store, scene.window, scene.views,
+                        scene.pairs);  // drops it, and all is well again
     REQUIRE_FALSE(scene.store.landmarks()[1].observations[2].valid);
     REQUIRE(std::isfinite(scene.linearize()));
     REQUIRE(scene.eliminate(S(1e-4), equations));

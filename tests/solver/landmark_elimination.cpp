@@ -162,6 +162,13 @@ void check() {
       const Vec<S, L> dl = problem.eliminations[l].back_substitute(d, NormalDim);
       REQUIRE(relative_error(dl.template cast<double>(), expected.segment(l * L, L)) < tolerance);
       predicted += problem.eliminations[l].predicted_decrease(dl);
+      auto relative = problem.eliminations[l];  // the same without columns of the anchor
+      REQUIRE(relative.eliminate(S(mu)));
+      REQUIRE(relative.is_complete() == (relative.anchor() < 0));
+      if (relative.is_complete()) continue;
+      const Vec<S, L> by_relative =
+          relative.back_substitute_relative(problem.pairs.steps(relative.anchor(), d, NormalDim));
+      REQUIRE(relative_error(by_relative.template cast<double>(), dl.template cast<double>()) < tolerance);
     }
     REQUIRE(predicted == Approx(decrease).epsilon(tolerance));
   }

@@ -140,12 +140,13 @@ class WindowBackend {
     views_.update(window_, T_body_cam);
     ties_.choose(landmarks, views_);
     const LevenbergMarquardtSummary summary = levenberg_marquardt(problem, solver);
-    views_.update(window_, T_body_cam);
     ties_.finish(landmarks, views_);
-    landmarks.for_each_with(terms_, [&](auto& store, auto& terms) { terms.finish(rig, store, window_, views_); });
-    ties_.choose(landmarks, views_);
     // For the covariance: here, not a step before, and what damped the landmarks is no knowledge.
-    problem.linearize();
+    begin_linearization();
+    landmarks.for_each_with(
+        terms_, [&](auto& store, auto& terms) { terms.finish(rig, store, window_, views_, equations_.pairs); });
+    ties_.choose(landmarks, views_);
+    ties_.linearize(landmarks, views_);
     problem.eliminate(solver.mu_min);
     return summary;
   }
@@ -154,7 +155,8 @@ class WindowBackend {
   /// the frames that stay, and hands them to the map.
   void retire(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks, int slot, auto& map) {
     map.retire(Retired<State, Landmarks>(slot, window_[slot], landmarks));
-    linearize_views(T_body_cam);
+    views_.update(window_, T_body_cam);
+    begin_linearization();
     prior_.begin_retirement(window_);
     links_.for_each_row(window_, slot, [&](const auto&... row) { prior_.add_link(row...); });
     links_.remove(slot);
@@ -196,7 +198,7 @@ class WindowBackend {
   using PriorOfAll =
       WindowPrior<Window, max_rows_of(static_cast<AllTerms*>(nullptr)), max_dim_of(static_cast<AllTerms*>(nullptr))>;
 
-  /// What the solver sees of the window.
+  /// What the solver sees of the window; `views_` are those of the state, or of the trial.
   struct Problem {
     WindowBackend& self;
     const Sensors& rig;
@@ -204,8 +206,7 @@ class WindowBackend {
     SE3<S> T_body_cam;
 
     double linearize() {
-      self.linearize_views(T_body_cam);
-      self.equations_.pairs.reset();
+      self.begin_linearization();
       double cost = self.cost_of_frames();
       landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
         cost += terms.linearize(rig, store, self.window_, self.views_, self.equations_.pairs);
@@ -217,11 +218,15 @@ class WindowBackend {
     bool eliminate(double mu) {
       self.equations_.begin();
       self.equations_.pairs.add_to(self.equations_.normal);
-      bool eliminated = true;
-      landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
-        eliminated = eliminated && terms.eliminate(store, S(mu), self.equations_.pairs, self.equations_.normal);
-      });
-      if (!eliminated) return false;
+      for (int anchor = 0; anchor < K; ++anchor) {
+        bool eliminated = true;
+        self.equations_.products.reset();
+        landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
+          eliminated = eliminated && terms.eliminate(store, S(mu), anchor, self.equations_.products);
+        });
+        if (!eliminated) return false;
+        self.equations_.products.subtract_from(self.equations_.normal, anchor, self.equations_.pairs);
+      }
       self.ties_.eliminate(landmarks, self.terms_, self.equations_.pairs, self.equations_.normal);
       self.known_.add_to(self.window_, self.equations_);
       self.equations_.add_known(self.window_, self.prior_, self.links_);
@@ -232,7 +237,7 @@ class WindowBackend {
       if (!eliminate(mu) || !self.equations_.normal.solve(mu, self.equations_.step)) return false;
       predicted_decrease = self.equations_.normal.predicted_decrease(mu, self.equations_.step);
       landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
-        predicted_decrease += terms.solve(store, self.equations_.step, Layout::dim);
+        predicted_decrease += terms.solve(store, self.equations_.pairs, self.equations_.step, Layout::dim);
       });
       predicted_decrease += self.ties_.solve(self.terms_, self.equations_.step, Layout::dim);
       return true;
@@ -252,14 +257,15 @@ class WindowBackend {
     void accept() {}
     void reject() {
       self.window_ = self.backup_;
+      self.views_.update(self.window_, T_body_cam);
       landmarks.for_each_with(self.terms_, [](auto& store, auto& terms) { terms.restore(store); });
     }
   };
 
   double cost_of_frames() const { return prior_.cost(window_) + links_.cost(window_) + known_.cost(window_); }
 
-  void linearize_views(const SE3<S>& T_body_cam) {
-    views_.update(window_, T_body_cam);
+  void begin_linearization() {
+    equations_.pairs.reset();
     views_.set_transports(window_, equations_.pairs);
   }
 

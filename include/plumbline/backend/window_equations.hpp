@@ -14,6 +14,7 @@
 #include "plumbline/backend/extrinsics_prior.hpp"
 #include "plumbline/backend/time_offset_prior.hpp"
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/solver/anchored_products.hpp"
 #include "plumbline/solver/normal_equations.hpp"
 #include "plumbline/solver/relative_equations.hpp"
 #include "plumbline/state/layout.hpp"
@@ -29,7 +30,8 @@ struct WindowEquations {
   using Pose = Mat<double, state::Pose::dim, state::Pose::dim>;
 
   Normal normal;
-  RelativeEquations<double, state::Pose::dim, slots> pairs;  ///< of what is seen: features see poses alone
+  RelativeEquations<double, state::Pose::dim, slots> pairs;    ///< of what is seen: features see poses alone
+  AnchoredProducts<double, state::Pose::dim, slots> products;  ///< what landmarks of one anchor take when eliminated
   typename Normal::Vector step;
 
   /// The order of elimination: velocities and biases from the newest to the oldest, each of which is linked to the next

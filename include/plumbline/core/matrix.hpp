@@ -63,28 +63,38 @@ void set_segment(Vec<S, Size>& x, int i, const Vec<S, N>& y) {
 /// A B
 template <class S, int R, int K, int C>
 Mat<S, R, C> product(const Mat<S, R, K>& A, const Mat<S, K, C>& B) {
-  Mat<S, R, C> out;
+  // Not into the result at once: for all that a compiler knows that could be A or B, and it would not vectorize.
+  S out[R * C];
   for (int c = 0; c < C; ++c) {
     for (int r = 0; r < R; ++r) {
-      S sum = S(0);
-      for (int k = 0; k < K; ++k) sum += A.coeff(r, k) * B.coeff(k, c);
-      out.coeffRef(r, c) = sum;
+      S sum = A.coeff(r, 0) * B.coeff(0, c);
+      for (int k = 1; k < K; ++k) sum += A.coeff(r, k) * B.coeff(k, c);
+      out[r + c * R] = sum;
     }
   }
-  return out;
+  return Mat<S, R, C>(out);
+}
+/// A [a]x
+template <class S, int R>
+Mat<S, R, 3> product_hat(const Mat<S, R, 3>& A, const Vec<S, 3>& a) {
+  S out[3 * R];
+  for (int r = 0; r < R; ++r) out[r] = A.coeff(r, 1) * a[2] - A.coeff(r, 2) * a[1];
+  for (int r = 0; r < R; ++r) out[r + R] = A.coeff(r, 2) * a[0] - A.coeff(r, 0) * a[2];
+  for (int r = 0; r < R; ++r) out[r + 2 * R] = A.coeff(r, 0) * a[1] - A.coeff(r, 1) * a[0];
+  return Mat<S, R, 3>(out);
 }
 /// A B^T
 template <class S, int R, int K, int C>
 Mat<S, R, C> product_transposed(const Mat<S, R, K>& A, const Mat<S, C, K>& B) {
-  Mat<S, R, C> out;
+  S out[R * C];
   for (int c = 0; c < C; ++c) {
     for (int r = 0; r < R; ++r) {
-      S sum = S(0);
-      for (int k = 0; k < K; ++k) sum += A.coeff(r, k) * B.coeff(c, k);
-      out.coeffRef(r, c) = sum;
+      S sum = A.coeff(r, 0) * B.coeff(c, 0);
+      for (int k = 1; k < K; ++k) sum += A.coeff(r, k) * B.coeff(c, k);
+      out[r + c * R] = sum;
     }
   }
-  return out;
+  return Mat<S, R, C>(out);
 }
 
 }  // namespace plumbline

@@ -69,7 +69,8 @@ enum class Transposed : unsigned char { none, left, right };
 
 /// A B, R x K by K x C, each of them column by column; of one that is transposed, what it is transposed of is given.
 template <int R, int K, int C, Transposed transposed, class S>
-EIGEN_ALWAYS_INLINE void multiply(const S* A, const S* B, S* out) {
+EIGEN_ALWAYS_INLINE void multiply(const S* A, const S* B, S* result) {
+  S out[R * C];  // for all that a compiler knows `result` could be A or B, and it would not vectorize
   for (int c = 0; c < C; ++c) {
     for (int r = 0; r < R; ++r) {
       S a[K];
@@ -84,6 +85,7 @@ EIGEN_ALWAYS_INLINE void multiply(const S* A, const S* B, S* out) {
       }
     }
   }
+  for (int k = 0; k < R * C; ++k) result[k] = out[k];
 }
 }  // namespace detail
 

@@ -92,6 +92,8 @@ class CollinearTerms {
     for (Tie& tie : ties_) {
       auto& of_line = line_terms.elimination(tie.line);
       auto& of_point = point_terms.elimination(tie.point);
+      of_line.complete(pairs);
+      of_point.complete(pairs);
       const int line_anchor = lines.landmarks()[tie.line].anchor, point_anchor = points.landmarks()[tie.point].anchor;
       Rows<line_dim> rows;
       rows.touched.reset();

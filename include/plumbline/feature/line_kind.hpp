@@ -86,26 +86,29 @@ struct LineKind {
   /// Weighted rows of the anchor's own observation; returns their cost.
   template <class Rows>
   static double add_anchor(const Linearized& line, const Observation& seen, Rows& rows) {
-    const Errors errors = errors_of(seen, line.plucker);
-    if (!errors.valid || !add_in_anchor(line, seen.pixels, errors.pixels, rows)) return invalid_cost;
-    if (seen.has_depth()) add_in_anchor(line, seen.depth.get(), errors.depth, rows);
-    return cost_of(errors);
+    const Measured measured(seen, line.plucker);
+    if (measured.rows > 0) add_to(rows, measured, by_landmark(measured.lin, line));
+    return measured.cost;
   }
   /// What holds the line when another frame leaves: the anchor's pixels. Its depth stays with the landmark, it must not
   /// count twice.
   template <class Rows>
   static void add_anchor_tie(const Linearized& line, const Observation& seen, Rows& rows) {
-    const Vec<S, 2> r = seen.pixels.L * seen.pixels.measured.residual(line.plucker);
-    add_in_anchor(line, seen.pixels, r, rows);
+    const Measured measured(seen.pixels, line.plucker);
+    if (measured.rows > 0) add_to(rows, measured, by_landmark(measured.lin, line));
   }
   /// Weighted rows of the observation in `slot`, another frame than the anchor; returns their cost.
   template <class Rows>
   static double add_view(const Sensors&, const Linearized& line, const Observation& seen, const RelativeView<S>& view,
                          int slot, Rows& rows) {
-    const Errors errors = errors_of(seen, line_in_target(view, line.plucker));
-    if (!errors.valid || !add_in_target(line, seen.pixels, errors.pixels, view, slot, rows)) return invalid_cost;
-    if (seen.has_depth()) add_in_target(line, seen.depth.get(), errors.depth, view, slot, rows);
-    return cost_of(errors);
+    const Plucker<S> in_target = line_in_target(view, line.plucker);
+    const Measured measured(seen, in_target);
+    if (measured.rows == 0) return invalid_cost;
+    const Mat<S, rows_per_view, 6> J_pose =
+        line_pose_jacobian(measured.lin, in_target, Mat<S, 3, 3>(view.R_body_cam().transpose()), view.p_body_cam());
+    const Mat<S, rows_per_view, dim> J_line = by_landmark(by_line_in_anchor(measured.lin, view), line);
+    add_to(rows, measured, J_line, slot, J_pose);
+    return measured.cost;
   }
 
   /// (31)
@@ -215,25 +218,55 @@ struct LineKind {
     if (seen.has_depth() && !(squared_norm(errors.depth) < drop_chi2)) seen.forget_depth();
   }
 
-  /// Rows of one measurement with whitened errors r.
-  template <class Measurement, class Rows>
-  static bool add_in_anchor(const Linearized& line, const SegmentMeasurement<Measurement>& seen, const Vec<S, 2>& r,
-                            Rows& rows) {
-    const auto lin = AnchoredLine<Measurement>{seen.measured}.linearize_in_anchor(line);
-    if (!lin.valid) return false;
-    const S w = std::sqrt(pixel_loss.weight(squared_norm(r)));
-    const Mat<S, 2, 2> wL = w * seen.L;
-    return rows.template add<2>(Mat<S, 2, dim>(wL * lin.J_r_line), Vec<S, 2>(w * r));
+  /// Whitened and weighted rows of what was measured of a line in one camera, chained together by who wants them.
+  struct Measured {
+    int rows = 0;  ///< none where the line cannot have been seen; the others of `lin` are zero
+    double cost = invalid_cost;
+    CameraLineLinearization<S, rows_per_view> lin{true, zeros<S, rows_per_view>(), zeros<S, rows_per_view, 3>(),
+                                                  zeros<S, rows_per_view, 3>()};
+
+    template <class Measurement>
+    Measured(const SegmentMeasurement<Measurement>& seen, const Plucker<S>& line) {
+      add<0>(seen, line);
+    }
+    Measured(const Observation& seen, const Plucker<S>& line) : Measured(seen.pixels, line) {
+      if constexpr (Observation::measures_depth) {
+        if (rows > 0 && seen.has_depth()) add<2>(seen.depth.get(), line);
+      }
+    }
+
+   private:
+    template <int first, class Measurement>
+    void add(const SegmentMeasurement<Measurement>& seen, const Plucker<S>& line) {
+      const CameraLineLinearization<S, 2> one = seen.measured.linearize(line);
+      if (!one.valid) return;
+      const Vec<S, 2> r = seen.L * one.r;
+      const S squared = squared_norm(r), w = std::sqrt(pixel_loss.weight(squared));
+      const Mat<S, 2, 2> wL = w * seen.L;
+      set_segment(lin.r, first, Vec<S, 2>(w * r));
+      set_block(lin.J_r_n, first, 0, product(wL, one.J_r_n));
+      set_block(lin.J_r_v, first, 0, product(wL, one.J_r_v));
+      cost = (first > 0 ? cost : 0) + double(pixel_loss.rho(squared)) / 2;
+      rows = first + 2;
+    }
+  };
+  /// Where the pose matters, `slot` and J_pose come last.
+  template <class Rows, class... Pose>
+  static void add_to(Rows& rows, const Measured& measured, const Mat<S, rows_per_view, dim>& J_line,
+                     const Pose&... pose) {
+    if constexpr (rows_per_view > 2) {
+      if (measured.rows == rows_per_view) return add_top<rows_per_view>(rows, measured, J_line, pose...);
+    }
+    add_top<2>(rows, measured, J_line, pose...);
   }
-  template <class Measurement, class Rows>
-  static bool add_in_target(const Linearized& line, const SegmentMeasurement<Measurement>& seen, const Vec<S, 2>& r,
-                            const RelativeView<S>& view, int slot, Rows& rows) {
-    const auto lin = AnchoredLine<Measurement>{seen.measured}.linearize_in_target(view, line);
-    if (!lin.valid) return false;
-    const S w = std::sqrt(pixel_loss.weight(squared_norm(r)));
-    const Mat<S, 2, 2> wL = w * seen.L;
-    return rows.template add<2>(slot, Mat<S, 2, 6>(wL * lin.J_r_target), Mat<S, 2, dim>(wL * lin.J_r_line),
-                                Vec<S, 2>(w * r));
+  template <int R, class Rows>
+  static void add_top(Rows& rows, const Measured& measured, const Mat<S, rows_per_view, dim>& J_line) {
+    rows.template add<R>(block<R, dim>(J_line, 0, 0), segment<R>(measured.lin.r, 0));
+  }
+  template <int R, class Rows>
+  static void add_top(Rows& rows, const Measured& measured, const Mat<S, rows_per_view, dim>& J_line, int slot,
+                      const Mat<S, rows_per_view, 6>& J_pose) {
+    rows.template add<R>(slot, block<R, 6>(J_pose, 0, 0), block<R, dim>(J_line, 0, 0), segment<R>(measured.lin.r, 0));
   }
 
   template <class Linearization>

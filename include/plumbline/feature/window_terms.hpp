@@ -11,6 +11,7 @@
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/landmark_store.hpp"
 #include "plumbline/feature/window_views.hpp"
+#include "plumbline/solver/anchored_products.hpp"
 #include "plumbline/solver/landmark_elimination.hpp"
 #include "plumbline/state/layout.hpp"
 
@@ -28,6 +29,7 @@ class WindowTerms {
   static constexpr int max_rows = Kind::rows_per_view * slots + Kind::damping_rows;
   using Elimination = LandmarkElimination<S, Kind::dim, state::Pose::dim, slots, max_rows>;
   using Pairs = typename Elimination::Pairs;
+  using Products = AnchoredProducts<double, state::Pose::dim, slots>;
 
   /// Linearizes all landmarks at the current state, adds their rows to `pairs` and returns their cost.
   double linearize(const Sensors& rig, const Store& store, const auto& window, const Views& views, Pairs& pairs) {
@@ -42,13 +44,25 @@ class WindowTerms {
     return cost;
   }
 
-  /// Eliminates all landmarks with damping `mu`: takes from the normal equations what `pairs` has too much.
+  /// Eliminates the landmarks of one anchor with damping `mu`: what is taken from the normal equations for them, which
+  /// have too much from `pairs`.
+  bool eliminate(const Store& store, S mu, int anchor, Products& products) {
+    for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
+      Elimination& landmark = eliminations_[i];
+      if (landmark.rows() == 0 || landmark.anchor() != anchor) continue;
+      if (!landmark.eliminate(mu)) return false;
+      landmark.add_to(products);
+    }
+    return true;
+  }
+  /// The same of all, where there is one kind alone.
   template <class Equations>
   bool eliminate(const Store& store, S mu, const Pairs& pairs, Equations& equations) {
-    for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
-      if (eliminations_[i].rows() == 0) continue;
-      if (!eliminations_[i].eliminate(mu, pairs)) return false;
-      eliminations_[i].subtract_from(equations);
+    Products products;
+    for (int anchor = 0; anchor < slots; ++anchor) {
+      products.reset();
+      if (!eliminate(store, mu, anchor, products)) return false;
+      products.subtract_from(equations, anchor, pairs);
     }
     return true;
   }
@@ -56,13 +70,18 @@ class WindowTerms {
   /// The landmarks' steps that belong to the frames' step d, whose blocks are `stride` numbers long; returns what they
   /// add to the predicted decrease.
   template <class Vector>
-  double solve(const Store& store, const Vector& d, int stride) {
+  double solve(const Store& store, const Pairs& pairs, const Vector& d, int stride) {
     double predicted = 0;
-    for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
-      set_zero(steps_[i]);
-      if (eliminations_[i].rows() == 0) continue;
-      steps_[i] = eliminations_[i].back_substitute(d, stride);
-      predicted += eliminations_[i].predicted_decrease(steps_[i]);
+    set_zero(steps_);
+    for (int anchor = 0; anchor < slots; ++anchor) {
+      auto relative_steps = pairs.steps(anchor, d, stride);
+      for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
+        const Elimination& landmark = eliminations_[i];
+        if (landmark.rows() == 0 || landmark.anchor() != anchor) continue;
+        steps_[i] = landmark.is_complete() ? landmark.back_substitute(d, stride)
+                                           : landmark.back_substitute_relative(relative_steps);
+        predicted += landmark.predicted_decrease(steps_[i]);
+      }
     }
     return predicted;
   }
@@ -111,9 +130,10 @@ class WindowTerms {
   }
 
   /// After convergence: drops observations that do not belong and landmarks that came to nothing, and gives the others
-  /// their covariance, the frames being given.
-  void finish(const Sensors& rig, Store& store, const auto& window, const Views& views) {
+  /// their covariance, the frames being given. Linearizes what is left, and adds its rows to `pairs`.
+  void finish(const Sensors& rig, Store& store, const auto& window, const Views& views, Pairs& pairs) {
     for_each(store, [&](Landmark& landmark, Elimination& rows) {
+      rows.reset();
       if (!landmark.takes_part()) return;
       const typename Kind::InAnchor in_anchor(landmark.geometry);
       for (int slot = 0; slot < slots; ++slot) {
@@ -131,6 +151,11 @@ class WindowTerms {
       const bool known = rows.covariance(covariance);
       if (!Kind::settle(landmark.geometry, landmark.seen_by_anchor(), known ? &covariance : nullptr)) {
         landmark.located = landmark.current.valid = false;
+      }
+      if (landmark.takes_part()) {
+        rows.add_to(pairs);
+      } else {
+        rows.reset();
       }
     });
   }

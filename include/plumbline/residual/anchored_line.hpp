@@ -33,6 +33,23 @@ struct LinearizedLine {
   explicit LinearizedLine(const Line3<S>& line) : plucker(line.plucker()), J(line.plucker_jacobian()) {}
 };
 
+/// [H_n, H_v] of (14): by the line in the anchor, what is given by the line in the target.
+template <class S, int Rows>
+CameraLineLinearization<S, Rows> by_line_in_anchor(const CameraLineLinearization<S, Rows>& lin,
+                                                   const RelativeView<S>& view) {
+  Mat<S, Rows, 3> tilted = product_hat(lin.J_r_n, view.t_target_anchor());
+  tilted += lin.J_r_v;
+  return {lin.valid, lin.r, product(lin.J_r_n, view.R_target_anchor()), product(tilted, view.R_target_anchor())};
+}
+
+/// (15)
+template <class S, int Rows>
+Mat<S, Rows, 4> by_landmark(const CameraLineLinearization<S, Rows>& in_anchor, const LinearizedLine<S>& line) {
+  Mat<S, Rows, 4> J = product(in_anchor.J_r_n, block<3, 4>(line.J, 0, 0));
+  J += product(in_anchor.J_r_v, block<3, 4>(line.J, 3, 0));
+  return J;
+}
+
 /// The measurement is LineReprojection or LineInverseDepth.
 template <class Measurement>
 struct AnchoredLine {
@@ -46,44 +63,22 @@ struct AnchoredLine {
     Vec<S, dim> r;
     Mat<S, dim, 4> J_r_line;
   };
-  /// By the target's pose; d/d anchor follows from it, RelativeView (4a).
-  struct TargetLinearized {
-    bool valid;
-    Vec<S, dim> r;
-    Mat<S, dim, 6> J_r_target;
-    Mat<S, dim, 4> J_r_line;
-    CameraLineLinearization<S, dim> by_anchor;  ///< derivatives by (n_a, v_a)
-  };
-
   Measurement measurement;
 
   /// `line` in the anchor camera; the target camera is the one that measured.
   Linearized linearize(const RelativeView<S>& view, const Line3<S>& line) const {
     const LinearizedLine<S> linearized(line);
-    const TargetLinearized lin = linearize_in_target(view, linearized);
+    const Plucker<S> in_target = line_in_target(view, linearized.plucker);
+    const CameraLineLinearization<S, dim> lin = measurement.linearize(in_target);
     Linearized out;
     out.valid = lin.valid;
     if (!out.valid) return out;
+    const CameraLineLinearization<S, dim> in_anchor = by_line_in_anchor(lin, view);
+    const Mat<S, 3, 3> R_cam_body = view.R_body_cam().transpose();
     out.r = lin.r;
-    out.J_r_anchor = -line_pose_jacobian(lin.by_anchor, linearized.plucker, Mat<S, 3, 3>(view.R_body_cam().transpose()),
-                                         view.p_body_cam());  // (14)
-    out.J_r_target = lin.J_r_target;
-    out.J_r_lambda = lin.J_r_line;
-    return out;
-  }
-  TargetLinearized linearize_in_target(const RelativeView<S>& view, const LinearizedLine<S>& line) const {
-    const Plucker<S> in_target = line_in_target(view, line.plucker);
-    const CameraLineLinearization<S, dim> lin = measurement.linearize(in_target);
-    TargetLinearized out;
-    out.valid = lin.valid;
-    if (!out.valid) return out;
-    Mat<S, dim, 3> tilted = product(lin.J_r_n, hat(view.t_target_anchor()));
-    tilted += lin.J_r_v;
-    out.by_anchor.J_r_n = product(lin.J_r_n, view.R_target_anchor());
-    out.by_anchor.J_r_v = product(tilted, view.R_target_anchor());
-    out.r = lin.r;
-    out.J_r_target = line_pose_jacobian(lin, in_target, Mat<S, 3, 3>(view.R_body_cam().transpose()), view.p_body_cam());
-    out.J_r_line = by_line(out.by_anchor, line);
+    out.J_r_anchor = -line_pose_jacobian(in_anchor, linearized.plucker, R_cam_body, view.p_body_cam());  // (14)
+    out.J_r_target = line_pose_jacobian(lin, in_target, R_cam_body, view.p_body_cam());
+    out.J_r_lambda = by_landmark(in_anchor, linearized);
     return out;
   }
 
@@ -94,19 +89,11 @@ struct AnchoredLine {
     out.valid = lin.valid;
     if (!out.valid) return out;
     out.r = lin.r;
-    out.J_r_line = by_line(lin, line);
+    out.J_r_line = by_landmark(lin, line);
     return out;
   }
   AnchorLinearized linearize_in_anchor(const Line3<S>& line) const {
     return linearize_in_anchor(LinearizedLine<S>(line));
-  }
-
- private:
-  /// (15)
-  static Mat<S, dim, 4> by_line(const CameraLineLinearization<S, dim>& lin, const LinearizedLine<S>& line) {
-    Mat<S, dim, 4> J = product(lin.J_r_n, block<3, 4>(line.J, 0, 0));
-    J += product(lin.J_r_v, block<3, 4>(line.J, 3, 0));
-    return J;
   }
 };
 

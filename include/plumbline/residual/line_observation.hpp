@@ -148,11 +148,11 @@ static_assert(Residual<LineReprojection<float>> && Residual<LineInverseDepth<dou
 template <class S, int Rows>
 Mat<S, Rows, 6> line_pose_jacobian(const CameraLineLinearization<S, Rows>& lin, const Plucker<S>& line,
                                    const Mat<S, 3, 3>& R_cam_body, const Vec<S, 3>& p_body_cam) {
-  const Mat<S, Rows, 3> J_p = product(product(lin.J_r_n, hat(line.v)), R_cam_body);
-  Mat<S, Rows, 3> J_cam = product(lin.J_r_n, hat(line.n));
-  J_cam += product(lin.J_r_v, hat(line.v));
+  const Mat<S, Rows, 3> J_p = product(product_hat(lin.J_r_n, line.v), R_cam_body);
+  Mat<S, Rows, 3> J_cam = product_hat(lin.J_r_n, line.n);
+  J_cam += product_hat(lin.J_r_v, line.v);
   Mat<S, Rows, 3> J_phi = product(J_cam, R_cam_body);
-  J_phi -= product(J_p, hat(p_body_cam));
+  J_phi -= product_hat(J_p, p_body_cam);
   Mat<S, Rows, 6> J;
   set_block(J, 0, 0, J_phi);
   set_block(J, 0, 3, J_p);

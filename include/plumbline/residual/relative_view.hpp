@@ -63,14 +63,8 @@ class RelativeView {
     const Vec<S, 3> q = R_e_ * P + inverse_range * p_e_;
     const Mat<S, Rows, 3> B = product_transposed(J_r_P, R_e_);
     Mat<S, Rows, 6> out;
-    for (int k = 0; k < Rows; ++k) {
-      out(k, 0) = q.z() * B(k, 1) - q.y() * B(k, 2);  // B [q]x
-      out(k, 1) = q.x() * B(k, 2) - q.z() * B(k, 0);
-      out(k, 2) = q.y() * B(k, 0) - q.x() * B(k, 1);
-    }
-    for (int c = 0; c < 3; ++c) {
-      for (int k = 0; k < Rows; ++k) out(k, 3 + c) = -inverse_range * B(k, c);
-    }
+    set_block(out, 0, 0, product_hat(B, q));
+    set_block(out, 0, 3, Mat<S, Rows, 3>(-inverse_range * B));
     return out;
   }
 

@@ -7,6 +7,7 @@
 /// makes the factor cheap.
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -27,10 +28,12 @@ class Cholesky {
   bool compute(const Eigen::MatrixBase<DA>& A, const Eigen::MatrixBase<Dd>& damping, Order&& order) {
     PLUMBLINE_ASSERT(A.rows() <= MaxDim && A.cols() == A.rows() && damping.size() == A.rows());
     dim_ = int(A.rows());
+    std::array<int, std::size_t(max_tiles) * width> parameters;
+    for (int k = 0; k < dim_; ++k) parameters[k] = order(k);
     for (int i = 0; i < tiles(); ++i) {
       int first = i;
       for (int j = i; j >= 0; --j) {
-        if (read(A.derived(), damping.derived(), order, i, j, at(i, j))) first = j;
+        if (read(A.derived(), damping.derived(), parameters.data(), i, j, at(i, j))) first = j;
       }
       first_[i] = first;
       S* const inverse_diagonal = inverse_diagonal_.data();
@@ -95,23 +98,23 @@ class Cholesky {
   }
 
   /// Block (i, j) of the matrix, the identity beyond its end. False when it is zero.
-  template <class DA, class Dd, class Order>
-  bool read(const DA& A, const Dd& damping, Order&& order, int i, int j, Tile& out) const {
-    bool any = i == j;
-    for (int c = 0; c < width; ++c) {
-      for (int r = 0; r < width; ++r) {
-        const int k = i * width + r, l = j * width + c;
-        if (k >= dim_ || l >= dim_) {
-          out[c][r] = S(k == l);
-          continue;
-        }
-        const int p = order(k), q = order(l);
-        const S value = p > q ? A(p, q) : A(q, p);
-        out[c][r] = p == q ? value + damping[p] : value;
-        any = any || value != S(0);  // true for NaN
+  template <class DA, class Dd>
+  bool read(const DA& A, const Dd& damping, const int* parameters, int i, int j, Tile& out) const {
+    const int *const row = parameters + i * width, *const column = parameters + j * width;
+    const int rows = std::min(width, dim_ - i * width), columns = std::min(width, dim_ - j * width);
+    S sum = S(0);
+    for (int c = 0; c < columns; ++c) {
+      for (int r = 0; r < rows; ++r) {
+        out[c][r] = A.coeff(std::max(row[r], column[c]), std::min(row[r], column[c]));
+        sum += std::abs(out[c][r]);
       }
+      for (int r = rows; r < width; ++r) out[c][r] = S(0);
+      if (i == j) out[c][c] += damping[column[c]];
     }
-    return any;
+    for (int c = columns; c < width; ++c) {
+      for (int r = 0; r < width; ++r) out[c][r] = S(r == c);
+    }
+    return i == j || !(sum == S(0));  // true for NaN
   }
 
   /// T -= sum_k L_ik L_jk^T, k < j

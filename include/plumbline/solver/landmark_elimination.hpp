@@ -13,8 +13,9 @@
 /// Rows are kept as S, the arithmetic is that of Acc. Blocks of the normal equations may be larger than BlockDim: the
 /// rows then belong to their leading parameters.
 ///
-/// Per iteration: reset, add ..., add_to the pairs, then for each mu: eliminate, subtract_from, (absorb), (solve),
-/// back_substitute.
+/// Per iteration: reset, add ..., add_to the pairs, then for each mu: eliminate, add_to the products of its anchor,
+/// (complete, absorb), (solve), back_substitute_relative. One landmark alone may as well be complete at once, with the
+/// anchor's columns of A: eliminate with the pairs, subtract_from, back_substitute.
 ///
 /// Rows that tie the landmark to a second one wait until it is eliminated. One more reflection with its triangle takes
 /// it out of them: what is left belongs to the blocks and to the second landmark, which absorbs them in turn.
@@ -29,6 +30,7 @@
 
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/solver/anchored_products.hpp"
 #include "plumbline/solver/block_rows.hpp"
 #include "plumbline/solver/householder.hpp"
 #include "plumbline/solver/normal_equations.hpp"
@@ -54,6 +56,7 @@ class LandmarkElimination {
   }
 
   int rows() const { return rows_; }
+  int anchor() const { return anchor_; }
 
   /// Rows that see `block` from the anchor, already multiplied with sqrt(weight); J by the parameters of `block`.
   /// False, and nothing kept, when full.
@@ -64,8 +67,9 @@ class LandmarkElimination {
     for (int k = 0; k < R; ++k) {
       for (int c = 0; c < BlockDim; ++c) J_p_[rows_ + k][c] = J(k, c);
     }
-    for (int k = 0; k < R; k += max_group_rows) {
-      groups_.push_back({std::int16_t(block), std::int16_t(rows_ + k), std::int16_t(std::min(R - k, max_group_rows))});
+    constexpr int at_once = R % max_group_rows == 0 ? max_group_rows : 2;
+    for (int k = 0; k < R; k += at_once) {
+      groups_.push_back({std::int16_t(block), std::int16_t(rows_ + k), std::int16_t(std::min(R - k, at_once))});
     }
     return add(J_l, r);
   }
@@ -90,35 +94,48 @@ class LandmarkElimination {
     }
   }
 
-  /// (10), with the transports of the pairs. False when the landmark is not determined (and mu is 0), or anything is
+  /// (10), but for the anchor's columns of A. False when the landmark is not determined (and mu is 0), or anything is
   /// not finite: leave it out then.
-  bool eliminate(S mu, const Pairs& pairs) {
+  bool eliminate(S mu) {
     mu_ = Acc(mu);
     Columns Q;
     if (!factorize(Q)) return false;
     set_zero(c_);
-    for (int k = 0; k < rows_; ++k) c_ += Acc(r_[k]) * Q[k];
+    for (int k = 0; k < rows_; ++k) {
+      for (int l = 0; l < LandmarkDim; ++l) c_[l] += Acc(r_[k]) * Q[l][k];
+    }
     touched_.reset();
     for (const Group& group : groups_) {
       if (!touched_[group.block]) set_zero(A_[group.block]);
       touched_[group.block] = true;
-      unrolled(group, [&]<int R>() { add_products<R>(&Q[group.first_row], &J_p_[group.first_row], A_[group.block]); });
-    }
-    if (anchor_ != no_anchor) {
-      Strip A_a;
-      set_zero(A_a);
-      for (int j = 0; j < MaxBlocks; ++j) {
-        if (!touched_[j]) continue;
-        const typename Pairs::Block& M = pairs.transport(anchor_, j);
-        for (int l = 0; l < LandmarkDim; ++l) A_a[l].noalias() -= M.transpose() * A_[j][l];
-      }
-      A_[anchor_] = A_a;
-      touched_[anchor_] = true;
+      unrolled(group, [&]<int R>() { add_products<R>(Q, group.first_row, &J_p_[group.first_row], A_[group.block]); });
     }
     return is_finite();
   }
+  /// The anchor's columns too, with the transports of the pairs.
+  void complete(const Pairs& pairs) {
+    if (is_complete()) return;
+    Strip A_a;
+    set_zero(A_a);
+    for (int j = 0; j < MaxBlocks; ++j) {
+      if (!touched_[j]) continue;
+      const typename Pairs::Block& M = pairs.transport(anchor_, j);
+      for (int l = 0; l < LandmarkDim; ++l) A_a[l].noalias() -= M.transpose() * A_[j][l];
+    }
+    A_[anchor_] = A_a;
+    touched_[anchor_] = true;
+  }
+  bool is_complete() const { return anchor_ == no_anchor || touched_[anchor_]; }
+  /// (10), complete.
+  bool eliminate(S mu, const Pairs& pairs) {
+    if (!eliminate(mu)) return false;
+    complete(pairs);
+    return true;
+  }
 
-  /// The part -A^T A, -A^T c of (11), after a successful eliminate.
+  /// A^T A, A^T c of (11) without the anchor's columns, after a successful eliminate.
+  void add_to(AnchoredProducts<Acc, BlockDim, MaxBlocks>& products) const { products.add(touched_, A_, c_); }
+  /// The part -A^T A, -A^T c of (11), complete.
   template <int NormalDim, int NormalBlocks>
   void subtract_from(NormalEquations<Acc, NormalDim, NormalBlocks>& normal) const {
     static_assert(BlockDim <= NormalDim,
@@ -134,7 +151,7 @@ class LandmarkElimination {
     }
   }
 
-  /// (13), after `subtract_from`: J_l by this landmark of `rows`, which keep what is left of them. Returns B.
+  /// (13), complete, after its products were taken: J_l by this landmark of `rows`, which keep what is left of them. Returns B.
   template <std::size_t R, int OtherDim>
   Mat<Acc, LandmarkDim, OtherDim> absorb(std::array<Vec<Acc, LandmarkDim>, R> J_l,
                                          BlockRows<Acc, R, BlockDim, MaxBlocks, OtherDim>& rows) {
@@ -155,11 +172,11 @@ class LandmarkElimination {
       const Acc tau = (beta - pivot) / beta, scale = Acc(1) / (pivot - beta);
       std::array<Acc, R> v;
       for (std::size_t i = 0; i < R; ++i) v[i] = scale * J_l[i][k];
-      reflect(tau, v, R1_[k], J_l);
-      reflect(tau, v, c_[k], rows.r);
-      reflect(tau, v, B[k], rows.J_other);
+      reflect_few(tau, v, R1_[k], J_l);
+      reflect_few(tau, v, c_[k], rows.r);
+      reflect_few(tau, v, B[k], rows.J_other);
       for (int j = 0; j < MaxBlocks; ++j) {
-        if (touched_[j]) reflect(tau, v, A_[j][k], rows.J[j]);
+        if (touched_[j]) reflect_few(tau, v, A_[j][k], rows.J[j]);
       }
     }
     Mat<Acc, LandmarkDim, OtherDim> out;
@@ -169,27 +186,19 @@ class LandmarkElimination {
     return out;
   }
 
-  /// (12), for the poses' step d; `stride` is the block_dim of the normal equations.
+  /// (12), for the poses' step d; `stride` is the block_dim of the normal equations. `by_other`, of a landmark that
+  /// absorbed rows: B of (13) times the step of the other one.
   template <class D>
-  Vec<S, LandmarkDim> back_substitute(const Eigen::MatrixBase<D>& d, int stride = BlockDim) const {
-    return back_substitute(d, stride, zeros<Acc, LandmarkDim>());
+  Vec<S, LandmarkDim> back_substitute(const Eigen::MatrixBase<D>& d, int stride = BlockDim,
+                                      const Vec<Acc, LandmarkDim>& by_other = zeros<Acc, LandmarkDim>()) const {
+    return step(by_other, [&](int j) {
+      Vec<Acc, BlockDim> d_j;
+      for (int c = 0; c < BlockDim; ++c) d_j[c] = Acc(d[j * stride + c]);
+      return d_j;
+    });
   }
-  /// The same of a landmark that absorbed rows: `by_other` is B of (13) times the step of the other one.
-  template <class D>
-  Vec<S, LandmarkDim> back_substitute(const Eigen::MatrixBase<D>& d, int stride,
-                                      const Vec<Acc, LandmarkDim>& by_other) const {
-    Column rhs = c_ + by_other;
-    for (int j = 0; j < MaxBlocks; ++j) {
-      if (!touched_[j]) continue;
-      for (int l = 0; l < LandmarkDim; ++l) {
-        for (int c = 0; c < BlockDim; ++c) rhs[l] += A_[j][l][c] * Acc(d[j * stride + c]);
-      }
-    }
-    solve_triangle(rhs);
-    Vec<S, LandmarkDim> dl;
-    for (int l = 0; l < LandmarkDim; ++l) dl[l] = S(-rhs[l]);
-    return dl;
-  }
+  /// The same without the anchor's columns, from what RelativeEquations::steps gives of its anchor.
+  Vec<S, LandmarkDim> back_substitute_relative(auto&& steps) const { return step(zeros<Acc, LandmarkDim>(), steps); }
 
   /// What this landmark adds to NormalEquations::predicted_decrease of the same mu, for its step dl.
   Acc predicted_decrease(const Vec<S, LandmarkDim>& dl) const {
@@ -201,8 +210,9 @@ class LandmarkElimination {
   /// (J_l^T J_l)^-1: the landmark's covariance given the poses. False when it is not determined.
   bool covariance(Mat<S, LandmarkDim, LandmarkDim>& out) {
     mu_ = Acc(0);
-    Columns Q;
-    if (!factorize(Q)) return false;
+    Columns W;
+    Column tau;
+    if (triangularize(W, tau) == 0) return false;
     std::array<Column, LandmarkDim> inverse;  // of R1, column by column
     for (int c = 0; c < LandmarkDim; ++c) {
       for (int l = 0; l < LandmarkDim; ++l) inverse[c][l] = Acc(l == c);
@@ -250,8 +260,8 @@ class LandmarkElimination {
   struct Group {
     std::int16_t block, first_row, rows;
   };
-  using Column = Vec<Acc, LandmarkDim>;                       // one number for each of the landmark's parameters
-  using Columns = std::array<Column, MaxRows + LandmarkDim>;  // those of J_l, row by row
+  using Column = Vec<Acc, LandmarkDim>;  // one number for each of the landmark's parameters
+  using Columns = std::array<std::array<Acc, MaxRows + LandmarkDim>, LandmarkDim>;  // those of J_l
   /// Columns of A that belong to one block, row by row.
   using Strip = std::array<Vec<Acc, BlockDim>, LandmarkDim>;
   using PoseRow = std::array<S, BlockDim>;
@@ -276,25 +286,37 @@ class LandmarkElimination {
 
   /// One column, or some of them side by side, by the reflection I - tau [1; v] [1; v]^T.
   template <class T, std::size_t R>
-  static void reflect(Acc tau, const std::array<Acc, R>& v, T& first, std::array<T, R>& rows) {
+  static void reflect_few(Acc tau, const std::array<Acc, R>& v, T& first, std::array<T, R>& rows) {
     T w = first;
     for (std::size_t i = 0; i < R; ++i) w += v[i] * rows[i];
     w = tau * w;
     first -= w;
     for (std::size_t i = 0; i < R; ++i) rows[i] -= v[i] * w;
   }
-  /// A += sum_k q_k j_k^T
+  /// A += sum_k q_k j_k^T over R rows.
   template <int R>
-  static void add_products(const Column* q, const PoseRow* j, Strip& A) {
+  EIGEN_DONT_INLINE static void add_products(const Columns& Q, int first, const PoseRow* j, Strip& A) {
     std::array<Vec<Acc, BlockDim>, R> rows;
     for (int k = 0; k < R; ++k) {
       for (int c = 0; c < BlockDim; ++c) rows[k][c] = Acc(j[k][c]);
     }
     for (int l = 0; l < LandmarkDim; ++l) {
       Vec<Acc, BlockDim> sum = A[l];
-      for (int k = 0; k < R; ++k) sum += q[k][l] * rows[k];
+      for (int k = 0; k < R; ++k) sum += Q[l][first + k] * rows[k];
       A[l] = sum;
     }
+  }
+  Vec<S, LandmarkDim> step(const Column& by_other, auto&& step_of) const {
+    Column rhs = c_ + by_other;
+    for (int j = 0; j < MaxBlocks; ++j) {
+      if (!touched_[j]) continue;
+      const Vec<Acc, BlockDim>& d_j = step_of(j);
+      for (int l = 0; l < LandmarkDim; ++l) rhs[l] += plumbline::dot(A_[j][l], d_j);
+    }
+    solve_triangle(rhs);
+    Vec<S, LandmarkDim> dl;
+    for (int l = 0; l < LandmarkDim; ++l) dl[l] = S(-rhs[l]);
+    return dl;
   }
   /// x <- R1^-1 x
   void solve_triangle(Column& x) const {
@@ -304,59 +326,56 @@ class LandmarkElimination {
     }
   }
 
-  /// Q1 (the rows of the damping, if any, are last), R1_ and damping_.
-  bool factorize(Columns& Q) {
-    Columns W;  // J_l, then [R1; 0]
+  /// Reflections that make J_l triangular, with R1_ and damping_: column k of W below its diagonal is v_k without its
+  /// leading 1. The rows of the damping, if any, are last. Returns the number of rows, 0 when J_l is not of full rank.
+  int triangularize(Columns& W, Column& tau) {
     Column squared_norm;
-    set_zero(squared_norm);
-    for (int k = 0; k < rows_; ++k) {
-      for (int l = 0; l < LandmarkDim; ++l) {
-        W[k][l] = Acc(J_l_[k][l]);
-        squared_norm[l] += W[k][l] * W[k][l];
-      }
-    }
+    int n = rows_;
     for (int l = 0; l < LandmarkDim; ++l) {
+      for (int k = 0; k < rows_; ++k) W[l][k] = Acc(J_l_[k][l]);
+      squared_norm[l] = plumbline::dot(W[l].data(), W[l].data(), rows_);
       damping_[l] = damping_scale(squared_norm[l]);
       squared_norm[l] += mu_ * damping_[l];
     }
-    if constexpr (LandmarkDim == 1) {
-      R1_[0][0] = std::sqrt(squared_norm[0]);
-      const Acc inverse = Acc(1) / R1_[0][0];
-      for (int k = 0; k < rows_; ++k) Q[k][0] = inverse * W[k][0];
-      return squared_norm[0] > Acc(0);
+    if (LandmarkDim > 1 && mu_ > 0) {
+      for (int l = 0; l < LandmarkDim; ++l, ++n) {
+        for (int c = 0; c < LandmarkDim; ++c) W[c][n] = c == l ? std::sqrt(mu_ * damping_[l]) : Acc(0);
+      }
     }
-    int n = rows_;
-    for (int l = 0; l < LandmarkDim && mu_ > 0; ++l) {
-      set_zero(W[n]);
-      W[n++][l] = std::sqrt(mu_ * damping_[l]);
-    }
-    if (n < LandmarkDim) return false;
-    Columns V;  // the reflections; full rows, as what stands left of the pivot is zero in W and Q
-    Column tau;
+    if (n < LandmarkDim) return 0;
     for (int k = 0; k < LandmarkDim; ++k) {
-      Acc tail_squared = Acc(0);
-      for (int i = k + 1; i < n; ++i) tail_squared += W[i][k] * W[i][k];
-      const Acc pivot = W[k][k], norm = std::sqrt(pivot * pivot + tail_squared), beta = pivot > 0 ? -norm : norm;
-      if (!(norm > rank_tolerance<Acc> * std::sqrt(squared_norm[k]))) return false;
-      tau[k] = (beta - pivot) / beta;
-      const Acc scale = Acc(1) / (pivot - beta);
-      for (int i = k + 1; i < n; ++i) V[i][k] = scale * W[i][k];
-      reflect_rows(V, k, tau[k], n, W);
-      R1_[k] = W[k];
+      Acc* const pivot = W[k].data() + k;
+      tau[k] = make_reflection(*pivot, pivot + 1, n - k - 1);
+      if (!(std::abs(*pivot) > rank_tolerance<Acc> * std::sqrt(squared_norm[k]))) return 0;
+      for (int c = k + 1; c < LandmarkDim; ++c) reflect(tau[k], pivot + 1, W[c][k], W[c].data() + k + 1, n - k - 1);
+      for (int c = 0; c < LandmarkDim; ++c) R1_[k][c] = c < k ? Acc(0) : W[c][k];
     }
-    for (int k = 0; k < n; ++k) {
-      for (int l = 0; l < LandmarkDim; ++l) Q[k][l] = Acc(k == l);
-    }
-    for (int k = LandmarkDim - 1; k >= 0; --k) reflect_rows(V, k, tau[k], n, Q);
-    return true;
+    return n;
   }
-  /// Rows [k, n) of M by the reflection I - tau v v^T, v = [1; column k of V below row k].
-  static void reflect_rows(const Columns& V, int k, Acc tau, int n, Columns& M) {
-    Column w = M[k];
-    for (int i = k + 1; i < n; ++i) w += V[i][k] * M[i];
-    w = tau * w;
-    M[k] -= w;
-    for (int i = k + 1; i < n; ++i) M[i] -= V[i][k] * w;
+  /// Q1, R1_ and damping_.
+  bool factorize(Columns& Q) {
+    if constexpr (LandmarkDim == 1) {  // the damping has no row of its own: what it would add to Q1 meets zeros
+      Acc squared_norm = Acc(0);
+      for (int k = 0; k < rows_; ++k) squared_norm += (Q[0][k] = Acc(J_l_[k][0])) * Q[0][k];
+      damping_[0] = damping_scale(squared_norm);
+      squared_norm += mu_ * damping_[0];
+      R1_[0][0] = std::sqrt(squared_norm);
+      const Acc inverse = Acc(1) / R1_[0][0];
+      for (int k = 0; k < rows_; ++k) Q[0][k] *= inverse;
+      return squared_norm > Acc(0);
+    } else {
+      Columns V;
+      Column tau;
+      const int n = triangularize(V, tau);
+      for (int l = 0; n > 0 && l < LandmarkDim; ++l) {  // Q1 = H_1 ... H_dim [I; 0]
+        Acc* const q = Q[l].data();
+        std::fill_n(q, l, Acc(0));
+        q[l] = 1 - tau[l];
+        for (int k = l + 1; k < n; ++k) q[k] = -tau[l] * V[l][k];
+        for (int k = l - 1; k >= 0; --k) reflect(tau[k], V[k].data() + k + 1, q[k], q + k + 1, n - k - 1);
+      }
+      return n > 0;
+    }
   }
 
   int rows_ = 0, anchor_ = no_anchor;

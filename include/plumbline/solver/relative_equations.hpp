@@ -15,6 +15,7 @@
 
 #include "plumbline/core/assert.hpp"
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/solver/block_products.hpp"
 #include "plumbline/solver/normal_equations.hpp"
 
 namespace plumbline {
@@ -33,6 +34,22 @@ class RelativeEquations {
   const Block& transport(int a, int j) const { return M_[index(a, j)]; }
   void set_transport(int a, int j, const Block& M) { M_[index(a, j)] = M; }
 
+  /// Steps d of all blocks as rows anchored in a see them, d_j - M_ja d_a; d_j begins `stride` numbers after d_(j-1).
+  template <class D>
+  auto steps(int a, const D& d, int stride) const {
+    return [this, a, &d, stride, known = std::bitset<MaxBlocks>(),
+            steps = std::array<Vec<S, BlockDim>, MaxBlocks>()](int j) mutable -> const Vec<S, BlockDim>& {
+      if (known[j]) return steps[j];
+      known[j] = true;
+      const auto step_of = [&](int block) {
+        Vec<S, BlockDim> out;
+        for (int c = 0; c < BlockDim; ++c) out[c] = S(d[block * stride + c]);
+        return out;
+      };
+      return steps[j] = step_of(j) - transport(a, j) * step_of(a);
+    };
+  }
+
   /// (9b) for R rows of BlockDim numbers, one after the other, and r.
   template <int R, class T>
   void add(int a, int j, const T* J, const T* r) {
@@ -46,9 +63,7 @@ class RelativeEquations {
     for (int n = 0; n < R; ++n) {
       for (int c = 0; c < BlockDim; ++c) rows[n][c] = S(J[n * BlockDim + c]);
     }
-    constexpr int half = BlockDim / 2 - BlockDim / 2 % 2;  // an even number keeps vectors aligned
-    add_columns<0, half>(rows, G_[k]);
-    add_columns<half, BlockDim>(rows, G_[k]);
+    add_lower_product(rows, G_[k]);
     for (int n = 0; n < R; ++n) g_[k] += S(r[n]) * rows[n];
   }
 
@@ -59,7 +74,7 @@ class RelativeEquations {
       for (int j = 0; j < MaxBlocks; ++j) {
         const std::size_t k = index(a, j);
         if (!used_[k]) continue;
-        const Block G = symmetric(G_[k]);
+        const Block G = symmetric_block(G_[k]);
         normal.add_block(j, j, G);
         normal.add_gradient(j, g_[k]);
         if (a == j) continue;
@@ -76,26 +91,6 @@ class RelativeEquations {
   }
 
  private:
-  /// G += rows^T rows in columns [First, Last) from row First on: the lower triangle, and a little more.
-  template <int First, int Last, std::size_t R>
-  static void add_columns(const std::array<Vec<S, BlockDim>, R>& rows, Block& G) {
-    for (int c = First; c < Last; ++c) {
-      S* column = G.data() + c * BlockDim;
-      for (int k = First; k < BlockDim; ++k) {
-        S sum = rows[0][c] * rows[0][k];
-        for (std::size_t n = 1; n < R; ++n) sum += rows[n][c] * rows[n][k];
-        column[k] += sum;
-      }
-    }
-  }
-  static Block symmetric(const Block& lower) {
-    Block out;
-    for (int c = 0; c < BlockDim; ++c) {
-      for (int r = c; r < BlockDim; ++r) out(r, c) = out(c, r) = lower(r, c);
-    }
-    return out;
-  }
-
   static constexpr std::size_t index(int a, int j) {
     PLUMBLINE_ASSERT(a >= 0 && a < MaxBlocks && j >= 0 && j < MaxBlocks);
     return std::size_t(a) * MaxBlocks + std::size_t(j);
