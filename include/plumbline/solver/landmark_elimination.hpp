@@ -33,6 +33,7 @@
 #include "plumbline/solver/anchored_products.hpp"
 #include "plumbline/solver/block_rows.hpp"
 #include "plumbline/solver/householder.hpp"
+#include "plumbline/solver/landmark_qr.hpp"
 #include "plumbline/solver/normal_equations.hpp"
 #include "plumbline/solver/relative_equations.hpp"
 
@@ -99,7 +100,7 @@ class LandmarkElimination {
   bool eliminate(S mu) {
     mu_ = Acc(mu);
     Columns Q;
-    if (!factorize(Q)) return false;
+    if (!qr_.factorize(J_l_, rows_, mu_, Q)) return false;
     set_zero(c_);
     for (int k = 0; k < rows_; ++k) {
       for (int l = 0; l < LandmarkDim; ++l) c_[l] += Acc(r_[k]) * Q[l][k];
@@ -151,7 +152,8 @@ class LandmarkElimination {
     }
   }
 
-  /// (13), complete, after its products were taken: J_l by this landmark of `rows`, which keep what is left of them. Returns B.
+  /// (13), complete, after its products were taken: J_l by this landmark of `rows`, which keep what is left of them.
+  /// Returns B.
   template <std::size_t R, int OtherDim>
   Mat<Acc, LandmarkDim, OtherDim> absorb(std::array<Vec<Acc, LandmarkDim>, R> J_l,
                                          BlockRows<Acc, R, BlockDim, MaxBlocks, OtherDim>& rows) {
@@ -164,7 +166,7 @@ class LandmarkElimination {
     std::array<Vec<Acc, OtherDim>, LandmarkDim> B;
     set_zero(B);
     for (int k = 0; k < LandmarkDim; ++k) {
-      const Acc pivot = R1_[k][k];
+      const Acc pivot = qr_.row(k)[k];
       Acc tail_squared = Acc(0);
       for (std::size_t i = 0; i < R; ++i) tail_squared += J_l[i][k] * J_l[i][k];
       if (!(tail_squared > Acc(0))) continue;
@@ -172,7 +174,7 @@ class LandmarkElimination {
       const Acc tau = (beta - pivot) / beta, scale = Acc(1) / (pivot - beta);
       std::array<Acc, R> v;
       for (std::size_t i = 0; i < R; ++i) v[i] = scale * J_l[i][k];
-      reflect_few(tau, v, R1_[k], J_l);
+      reflect_few(tau, v, qr_.row(k), J_l);
       reflect_few(tau, v, c_[k], rows.r);
       reflect_few(tau, v, B[k], rows.J_other);
       for (int j = 0; j < MaxBlocks; ++j) {
@@ -203,7 +205,7 @@ class LandmarkElimination {
   /// What this landmark adds to NormalEquations::predicted_decrease of the same mu, for its step dl.
   Acc predicted_decrease(const Vec<S, LandmarkDim>& dl) const {
     Acc sum = Acc(0);
-    for (int l = 0; l < LandmarkDim; ++l) sum += c_[l] * c_[l] + mu_ * damping_[l] * Acc(dl[l]) * Acc(dl[l]);
+    for (int l = 0; l < LandmarkDim; ++l) sum += c_[l] * c_[l] + mu_ * qr_.damping()[l] * Acc(dl[l]) * Acc(dl[l]);
     return sum / 2;
   }
 
@@ -212,11 +214,11 @@ class LandmarkElimination {
     mu_ = Acc(0);
     Columns W;
     Column tau;
-    if (triangularize(W, tau) == 0) return false;
+    if (qr_.triangularize(J_l_, rows_, mu_, W, tau) == 0) return false;
     std::array<Column, LandmarkDim> inverse;  // of R1, column by column
     for (int c = 0; c < LandmarkDim; ++c) {
       for (int l = 0; l < LandmarkDim; ++l) inverse[c][l] = Acc(l == c);
-      solve_triangle(inverse[c]);
+      qr_.solve(inverse[c]);
     }
     for (int r = 0; r < LandmarkDim; ++r) {
       for (int c = 0; c < LandmarkDim; ++c) {
@@ -260,8 +262,9 @@ class LandmarkElimination {
   struct Group {
     std::int16_t block, first_row, rows;
   };
-  using Column = Vec<Acc, LandmarkDim>;  // one number for each of the landmark's parameters
-  using Columns = std::array<std::array<Acc, MaxRows + LandmarkDim>, LandmarkDim>;  // those of J_l
+  using Qr = LandmarkQr<S, LandmarkDim, MaxRows, Acc>;
+  using Column = typename Qr::Column;
+  using Columns = typename Qr::Columns;
   /// Columns of A that belong to one block, row by row.
   using Strip = std::array<Vec<Acc, BlockDim>, LandmarkDim>;
   using PoseRow = std::array<S, BlockDim>;
@@ -313,69 +316,10 @@ class LandmarkElimination {
       const Vec<Acc, BlockDim>& d_j = step_of(j);
       for (int l = 0; l < LandmarkDim; ++l) rhs[l] += plumbline::dot(A_[j][l], d_j);
     }
-    solve_triangle(rhs);
+    qr_.solve(rhs);
     Vec<S, LandmarkDim> dl;
     for (int l = 0; l < LandmarkDim; ++l) dl[l] = S(-rhs[l]);
     return dl;
-  }
-  /// x <- R1^-1 x
-  void solve_triangle(Column& x) const {
-    for (int k = LandmarkDim - 1; k >= 0; --k) {
-      x[k] /= R1_[k][k];
-      for (int l = 0; l < k; ++l) x[l] -= x[k] * R1_[l][k];
-    }
-  }
-
-  /// Reflections that make J_l triangular, with R1_ and damping_: column k of W below its diagonal is v_k without its
-  /// leading 1. The rows of the damping, if any, are last. Returns the number of rows, 0 when J_l is not of full rank.
-  int triangularize(Columns& W, Column& tau) {
-    Column squared_norm;
-    int n = rows_;
-    for (int l = 0; l < LandmarkDim; ++l) {
-      for (int k = 0; k < rows_; ++k) W[l][k] = Acc(J_l_[k][l]);
-      squared_norm[l] = plumbline::dot(W[l].data(), W[l].data(), rows_);
-      damping_[l] = damping_scale(squared_norm[l]);
-      squared_norm[l] += mu_ * damping_[l];
-    }
-    if (LandmarkDim > 1 && mu_ > 0) {
-      for (int l = 0; l < LandmarkDim; ++l, ++n) {
-        for (int c = 0; c < LandmarkDim; ++c) W[c][n] = c == l ? std::sqrt(mu_ * damping_[l]) : Acc(0);
-      }
-    }
-    if (n < LandmarkDim) return 0;
-    for (int k = 0; k < LandmarkDim; ++k) {
-      Acc* const pivot = W[k].data() + k;
-      tau[k] = make_reflection(*pivot, pivot + 1, n - k - 1);
-      if (!(std::abs(*pivot) > rank_tolerance<Acc> * std::sqrt(squared_norm[k]))) return 0;
-      for (int c = k + 1; c < LandmarkDim; ++c) reflect(tau[k], pivot + 1, W[c][k], W[c].data() + k + 1, n - k - 1);
-      for (int c = 0; c < LandmarkDim; ++c) R1_[k][c] = c < k ? Acc(0) : W[c][k];
-    }
-    return n;
-  }
-  /// Q1, R1_ and damping_.
-  bool factorize(Columns& Q) {
-    if constexpr (LandmarkDim == 1) {  // the damping has no row of its own: what it would add to Q1 meets zeros
-      Acc squared_norm = Acc(0);
-      for (int k = 0; k < rows_; ++k) squared_norm += (Q[0][k] = Acc(J_l_[k][0])) * Q[0][k];
-      damping_[0] = damping_scale(squared_norm);
-      squared_norm += mu_ * damping_[0];
-      R1_[0][0] = std::sqrt(squared_norm);
-      const Acc inverse = Acc(1) / R1_[0][0];
-      for (int k = 0; k < rows_; ++k) Q[0][k] *= inverse;
-      return squared_norm > Acc(0);
-    } else {
-      Columns V;
-      Column tau;
-      const int n = triangularize(V, tau);
-      for (int l = 0; n > 0 && l < LandmarkDim; ++l) {  // Q1 = H_1 ... H_dim [I; 0]
-        Acc* const q = Q[l].data();
-        std::fill_n(q, l, Acc(0));
-        q[l] = 1 - tau[l];
-        for (int k = l + 1; k < n; ++k) q[k] = -tau[l] * V[l][k];
-        for (int k = l - 1; k >= 0; --k) reflect(tau[k], V[k].data() + k + 1, q[k], q + k + 1, n - k - 1);
-      }
-      return n > 0;
-    }
   }
 
   int rows_ = 0, anchor_ = no_anchor;
@@ -386,8 +330,8 @@ class LandmarkElimination {
   std::array<std::array<S, LandmarkDim>, MaxRows> J_l_;
   std::array<S, MaxRows> r_;
   std::array<Strip, MaxBlocks> A_;
-  std::array<Column, LandmarkDim> R1_;  ///< row by row
-  Column c_, damping_;
+  Qr qr_;
+  Column c_;
 };
 
 }  // namespace plumbline
