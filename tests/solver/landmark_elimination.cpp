@@ -22,8 +22,8 @@ struct Dense {
   Eigen::MatrixXd J;
   Eigen::VectorXd r;
 
-  Dense(int landmark_columns_, int dim_)
-      : landmark_columns(landmark_columns_), dim(dim_), J(0, landmark_columns + dim) {}
+  Dense(int of_landmarks, int of_poses)
+      : landmark_columns(of_landmarks), dim(of_poses), J(0, of_landmarks + of_poses) {}
 
   void add(const Eigen::MatrixXd& J_l, int l, const Eigen::MatrixXd& J_i, int i, const Eigen::MatrixXd& J_j, int j,
            const Eigen::VectorXd& res) {
@@ -59,7 +59,7 @@ struct Dense {
     const Eigen::VectorXd b = J.transpose() * r;
     Eigen::MatrixXd damped = H;
     damped.diagonal() += damping;
-    const Eigen::VectorXd d = -(damped.inverse() * b);
+    Eigen::VectorXd d = -(damped.inverse() * b);
     const Eigen::VectorXd Hd = H * d;
     decrease = -d.dot(b) - d.dot(Hd) / 2;
     return d;

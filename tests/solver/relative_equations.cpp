@@ -25,8 +25,8 @@ TEMPLATE_TEST_CASE("relative_equations: the sums are those of the rows written o
       const int a = int(random.below(blocks)), j = int(random.below(blocks));
       const Mat<S, 2, block_dim> J = random_matrix<S, 2, block_dim>(random);
       const Vec<S, 2> r = random_matrix<S, 2, 1>(random);
-      const Mat<S, block_dim, 2> rows_of_J = J.transpose();
-      pairs.template add<2>(a, j, rows_of_J.data(), r.data());
+      const Mat<S, block_dim, 2> by_parameter = J.transpose();
+      pairs.template add<2>(a, j, by_parameter.data(), r.data());
       Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(2, dim);
       rows.block<2, block_dim>(0, j * normal_dim) = J.template cast<double>();
       if (a != j) rows.block<2, block_dim>(0, a * normal_dim) = -J.template cast<double>() * pairs.transport(a, j);

@@ -250,8 +250,8 @@ class Inertial {
   bool gyro_in_doubt() const { return since_jump_s_ < options_.jump_settles_s; }
 
   /// Images that turn otherwise than the gyroscope, for some time, always alike and beyond doubt: its bias has jumped.
-  /// d is log of what the prediction lacks, d = -(b - b_then) dt; the variance is that of the mean. It does so once: what
-  /// goes on is something else.
+  /// d is log of what the prediction lacks, d = -(b - b_then) dt; the variance is that of the mean. It does so once:
+  /// what goes on is something else.
   void look_for_jump(State& x, const SE3<S>& T, const Mat<S, 6, 6>& covariance, S dt) {
     const Vec<S, 3> d = (x.T_world_body.rotation().inverse() * T.rotation()).log();
     const S part = std::min(S(1), dt / S(options_.rate_error_s)), rest = S(1) - part;
