@@ -1,5 +1,6 @@
 #include "plumbline/geometry/pose_ransac.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "catch.hpp"
@@ -37,11 +38,11 @@ Scene<S> make_scene(std::uint64_t seed, double outlier_ratio, double noise = sig
   scene.T_cam_world = SE3<double>::exp(xi);
   for (std::size_t i = 0; i < capacity; ++i) {
     const double z = 1 + 6 * random.uniform();
-    const Vec<double, 3> p_cam(0.8 * z * symmetric(random), 0.6 * z * symmetric(random), z);
+    const Vec<double, 3> p_cam{0.8 * z * symmetric(random), 0.6 * z * symmetric(random), z};
     Vec<double, 3> bearing = p_cam.normalized();
     scene.outlier[i] = random.uniform() < outlier_ratio;
     if (scene.outlier[i]) {
-      bearing = Vec<double, 3>(0.8 * symmetric(random), 0.6 * symmetric(random), 1).normalized();
+      bearing = Vec<double, 3>{0.8 * symmetric(random), 0.6 * symmetric(random), 1}.normalized();
     } else {
       const Vec<double, 3> e{normal(random), normal(random), normal(random)};
       bearing = (bearing + noise * (e - bearing * bearing.dot(e))).normalized();
@@ -109,6 +110,34 @@ TEMPLATE_TEST_CASE("pose_ransac: a good prior is refined without sampling", "", 
   CHECK(result.inliers > 100);
   CHECK(minus(result.T_cam_world.template cast<double>(), scene.T_cam_world).norm() <
         (std::is_same_v<S, float> ? 1e-5 : 1e-6));  // outliers keep a trace of weight
+}
+
+TEMPLATE_TEST_CASE("pose_ransac: a majority that moves otherwise than can be is outvoted by what can", "", float,
+                   double) {
+  using S = TestType;
+  Scene<S> scene = make_scene<S>(6, 0, 0.2 * sigma);
+  const SE3<S> T = scene.T_cam_world.template cast<S>();
+  Vec<S, 6> d = Vec<S, 6>::Zero();
+  d[3] = S(0.3);
+  const SE3<S> T_of_most = plus(T, d);
+  const std::size_t most = capacity * 2 / 3;
+  for (std::size_t i = 0; i < most; ++i) {
+    PoseCorrespondence<S>& c = scene.correspondences[i];
+    c.bearing = normalized(Vec<S, 3>(T_of_most * c.p_world));
+  }
+  const auto near = [](const SE3<S>& a, const SE3<S>& b) { return minus(a, b).norm() < S(0.05); };
+  const auto free = ransac_pose(scene.correspondences, T_of_most, {});
+  REQUIRE(near(free.T_cam_world, T_of_most));
+  CHECK(free.inliers >= int(most));
+
+  const auto bound = ransac_pose(scene.correspondences, T_of_most, {}, [&](const SE3<S>& X) { return near(X, T); });
+  REQUIRE(bound.valid);
+  CHECK(near(bound.T_cam_world, T));
+  const auto wrong = std::count(bound.inlier.begin(), bound.inlier.begin() + most, true);
+  CHECK(wrong < 8);  // chance hits: points far away hardly tell the two poses apart
+  CHECK(bound.inliers - wrong > 0.9 * (capacity - most));
+
+  CHECK_FALSE(ransac_pose(scene.correspondences, T, {}, [](const SE3<S>&) { return false; }).valid);
 }
 
 TEST_CASE("pose_ransac: same input, same output") {
