@@ -217,13 +217,14 @@ TEST_CASE("landmark_elimination: an undetermined landmark") {
   Random random(9);
   LandmarkElimination<double, 3, 6, 4, 32> landmark;
   const RelativeEquations<double, 6, 4> pairs{};
+  Mat<double, 3, 3> covariance;
   REQUIRE_FALSE(landmark.eliminate(0, pairs));  // no rows
+  REQUIRE_FALSE(landmark.covariance(covariance));
   Mat<double, 2, 3> J_l = random_matrix<double, 2, 3>(random);
   J_l.col(2).setZero();
   const Mat<double, 2, 6> J_p = random_matrix<double, 2, 6>(random);
   const Vec<double, 2> r = random_matrix<double, 2, 1>(random);
   for (int i = 0; i < 4; ++i) REQUIRE(landmark.add(i, J_p, J_l, r));
-  Mat<double, 3, 3> covariance;
   REQUIRE_FALSE(landmark.covariance(covariance));
   REQUIRE_FALSE(landmark.eliminate(0, pairs));
   REQUIRE(landmark.eliminate(1e-4, pairs));

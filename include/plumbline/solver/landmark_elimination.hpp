@@ -211,6 +211,7 @@ class LandmarkElimination {
 
   /// (J_l^T J_l)^-1: the landmark's covariance given the poses. False when it is not determined.
   bool covariance(Mat<S, LandmarkDim, LandmarkDim>& out) {
+    if (rows_ < LandmarkDim) return false;
     mu_ = Acc(0);
     Columns W;
     Column tau;
