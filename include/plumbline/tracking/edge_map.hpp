@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <type_traits>
 
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
@@ -50,8 +51,11 @@ class EdgeMap : public EdgeQueries<EdgeMap<MaxPixels>> {
         continue;
       }
       clear(index(0, y), border);
-      for (int x = border; x < width_ - border; x += block) {
-        compute_block(image, x, y, std::min(block, width_ - border - x), threshold);
+      const int end = width_ - border;
+      if (end - border < block) {
+        compute_block(image, border, y, end - border, threshold);
+      } else {  // whole blocks, the last one again with some of the one before
+        for (int x = border; x < end; x += block) compute_block(image, std::min(x, end - block), y, whole, threshold);
       }
       clear(index(width_ - border, y), border);
     }
@@ -92,26 +96,28 @@ class EdgeMap : public EdgeQueries<EdgeMap<MaxPixels>> {
 
  private:
   static constexpr int block = 128;
+  static constexpr std::integral_constant<int, block> whole{};
 
   void clear(int first, int n) {
     std::fill_n(gradients_.data() + first, n, EdgeGradient{0, 0});
     std::fill_n(strength_.data() + first, n, std::int16_t(0));
   }
 
-  /// (18) for `n` pixels of row y from x on.
-  void compute_block(const ImageView<const std::uint8_t>& image, int x, int y, int n, int threshold) {
+  /// (18) for `n` pixels of row y from x on: an integer, or `whole`, with which all loops are whole vectors.
+  void compute_block(const ImageView<const std::uint8_t>& image, int x, int y, auto n, int threshold) {
     std::int16_t smooth[block + 4], slope[block + 4];  // of the columns
     const std::ptrdiff_t stride = image.stride;
     const std::uint8_t* const centre = image.data + y * stride + x - 2;
-    for (int k = 0; k < n + 4; ++k) {
+    const auto column = [&](int k) {
       const std::uint8_t* const p = centre + k;
       const int a = p[-2 * stride], b = p[-stride], c = p[0], d = p[stride], e = p[2 * stride];
       smooth[k] = static_cast<std::int16_t>(a + e + 4 * (b + d) + 6 * c);
       slope[k] = static_cast<std::int16_t>(e - a + 2 * (d - b));
-    }
-    const std::size_t out = static_cast<std::size_t>(index(x, y));
-    EdgeGradient* const gradient = gradients_.data() + out;
-    std::int16_t* const strength = strength_.data() + out;
+    };
+    for (int k = 0; k < n; ++k) column(k);
+    for (int k = n; k < n + 4; ++k) column(k);
+    EdgeGradient gradient[block];
+    std::int16_t strength[block];
     for (int k = 0; k < n; ++k) {
       const std::int16_t u = static_cast<std::int16_t>(smooth[k + 4] - smooth[k] + 2 * (smooth[k + 3] - smooth[k + 1]));
       const std::int16_t v =
@@ -120,6 +126,8 @@ class EdgeMap : public EdgeQueries<EdgeMap<MaxPixels>> {
       gradient[k] = {u, v};
       strength[k] = s > threshold ? s : std::int16_t(0);
     }
+    std::copy_n(gradient, int(n), gradients_.data() + index(x, y));
+    std::copy_n(strength, int(n), strength_.data() + index(x, y));
   }
 
   /// Along t (sign 1) or against it (-1), from pixel i on.

@@ -99,6 +99,10 @@ class LineSegmentDetector {
   template <class Edges>
   void fit(const Edges& edges, const EdgeChain& chain, std::size_t first, std::size_t end,
            const LineDetectorOptions& options) {
+    const float shortest = 0.8f * options.min_length_px;
+    const float dx = float(chain[end - 1].x - chain[first].x), dy = float(chain[end - 1].y - chain[first].y);
+    constexpr float peaks = 3;  // what sub-pixel positions may add at both ends [px]
+    if (!(std::sqrt(dx * dx + dy * dy) + peaks > shortest)) return;
     const EdgePixel& middle = chain[(first + end) / 2];
     const Vec<float, 2> origin(middle.x, middle.y);  // small numbers: float sums stay exact enough
     LineMoments<float> moments;
@@ -131,7 +135,7 @@ class LineSegmentDetector {
       to = std::max(to, line.along(points_[k]));
     }
     if (!(static_cast<float>(aligned) > options.min_aligned * static_cast<float>(points_.size()))) return;
-    if (!(to - from > 0.8f * options.min_length_px)) return;
+    if (!(to - from > shortest)) return;
     LineSegment segment;
     segment.start = line.at(from);
     segment.end = line.at(to);
