@@ -93,12 +93,12 @@ TEST_CASE("no heap: see, follow, agree, estimate, refine, locate, record, linear
       pairs->add_to(*equations);
       eliminated = eliminated && points->eliminate(landmarks->get<0>(), 1e-3f, *pairs, *equations) &&
                    lines->eliminate(landmarks->get<1>(), 1e-3f, *pairs, *equations) && equations->solve(1e-3, *step);
-      points->solve(landmarks->get<0>(), *step, state::Pose::dim);
-      lines->solve(landmarks->get<1>(), *step, state::Pose::dim);
+      points->solve(landmarks->get<0>(), *pairs, *step, state::Pose::dim);
+      lines->solve(landmarks->get<1>(), *pairs, *step, state::Pose::dim);
       points->step(landmarks->get<0>());
       lines->step(landmarks->get<1>());
-      points->finish(rig, landmarks->get<0>(), *window, *views);
-      lines->finish(rig, landmarks->get<1>(), *window, *views);
+      points->finish(rig, landmarks->get<0>(), *window, *views, *pairs);
+      lines->finish(rig, landmarks->get<1>(), *window, *views, *pairs);
       landmarks->for_each([](auto& store) { store.change_readout(1e-4f); });
     }
     tracked = front_ends->lasting_count(*landmarks);

@@ -27,10 +27,36 @@ TEMPLATE_TEST_CASE("householder: a reflection zeroes the tail and keeps lengths"
   REQUIRE(x[0] == S(-2));
 }
 
-TEST_CASE("householder: products of any length") {
+TEST_CASE("householder: products and differences of any length") {
+  const Eigen::VectorXd a = Eigen::VectorXd::LinSpaced(9, 1, 9), b = Eigen::VectorXd::LinSpaced(9, 3, 11);
   for (const int n : {0, 1, 3, 4, 7, 8}) {
-    const Eigen::VectorXd a = Eigen::VectorXd::LinSpaced(9, 1, 9), b = Eigen::VectorXd::LinSpaced(9, 3, 11);
     REQUIRE(dot(a.data(), b.data(), n) == a.head(n).dot(b.head(n)));
+    Eigen::VectorXd difference = b;
+    subtract_scaled(2.0, a.data(), difference.data(), n);
+    REQUIRE(difference.head(n) == b.head(n) - 2 * a.head(n));
+    REQUIRE(difference.tail(9 - n) == b.tail(9 - n));
+  }
+}
+
+TEMPLATE_TEST_CASE("householder: two reflections in one pass are one after the other", "", float, double) {
+  using S = TestType;
+  constexpr int most = 9;
+  const S tolerance = 20 * std::numeric_limits<S>::epsilon();
+  Random random(4);
+  for (int n = 0; n <= most; ++n) {
+    using Tail = Vec<S, most>;
+    Tail v = random_matrix<S, most, 1>(random), u = random_matrix<S, most, 1>(random);
+    S pivot_v = S(0.7), pivot_u = S(-0.2);
+    const S tau_v = make_reflection(pivot_v, v.data(), n), tau_u = make_reflection(pivot_u, u.data(), n);
+    const Tail x = random_matrix<S, most, 1>(random);
+    Tail one_by_one = x, twice = x;
+    S first = S(0.3), second = S(0.9), first_expected = first, second_expected = second;
+    reflect(tau_v, v.data(), first_expected, one_by_one.data(), n);
+    reflect(tau_u, u.data(), second_expected, one_by_one.data(), n);
+    reflect_twice(tau_v, v.data(), first, tau_u, u.data(), second, dot(v.data(), u.data(), n), twice.data(), n);
+    REQUIRE(std::abs(first - first_expected) < tolerance);
+    REQUIRE(std::abs(second - second_expected) < tolerance);
+    REQUIRE((twice - one_by_one).norm() < tolerance);
   }
 }
 

@@ -2,22 +2,45 @@
 /// Householder reflections I - tau v v^T with v = [1; tail], over one pivot row and a range of tail rows.
 ///                                                                                        docs/math/solver.md (10)
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace plumbline {
 
+namespace detail {
+/// Four numbers of a longer array: vectors with `-O2` too.
+template <class S>
+using Four = Eigen::Array<S, 4, 1>;
+template <class S>
+Eigen::Map<const Four<S>> four(const S* x) {
+  return Eigen::Map<const Four<S>>(x);
+}
+template <class S>
+Eigen::Map<Four<S>> four(S* x) {
+  return Eigen::Map<Four<S>>(x);
+}
+}  // namespace detail
+
 /// a.b of n numbers, in four sums: a compiler must not change the order of one.
 template <class S>
 S dot(const S* a, const S* b, int n) {
-  S sum[4] = {};
+  using detail::four;
+  detail::Four<S> sum(S(0), S(0), S(0), S(0));
   int k = 0;
-  for (; k + 4 <= n; k += 4) {
-    for (int m = 0; m < 4; ++m) sum[m] += a[k + m] * b[k + m];
-  }
+  for (; k + 4 <= n; k += 4) sum += four(a + k) * four(b + k);
   for (; k < n; ++k) sum[0] += a[k] * b[k];
   return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+/// y -= w x of n numbers.
+template <class S>
+void subtract_scaled(S w, const S* x, S* y, int n) {
+  using detail::four;
+  int k = 0;
+  for (; k + 4 <= n; k += 4) four(y + k) -= w * four(x + k);
+  for (; k < n; ++k) y[k] -= w * x[k];
 }
 
 /// The reflection that maps [pivot; tail], n numbers in the tail, to [beta; 0]: pivot becomes beta, the tail becomes
@@ -38,7 +61,31 @@ template <class S>
 void reflect(S tau, const S* v_tail, S& pivot, S* tail, int n) {
   const S w = tau * (pivot + dot(v_tail, tail, n));
   pivot -= w;
-  for (int k = 0; k < n; ++k) tail[k] -= w * v_tail[k];
+  subtract_scaled(w, v_tail, tail, n);
+}
+
+/// Two reflections that have their tails in the same rows, one after the other, in one pass over them:
+/// (I - tau_2 v_2 v_2^T) (I - tau_1 v_1 v_1^T) [pivot_1; pivot_2; tail], `product` their tails' v_1.v_2.
+template <class S>
+void reflect_twice(S tau_1, const S* v_1, S& pivot_1, S tau_2, const S* v_2, S& pivot_2, S product, S* tail, int n) {
+  using detail::four;
+  detail::Four<S> sum_1(S(0), S(0), S(0), S(0)), sum_2 = sum_1;
+  int k = 0;
+  for (; k + 4 <= n; k += 4) {
+    const detail::Four<S> x = four(tail + k);
+    sum_1 += four(v_1 + k) * x;
+    sum_2 += four(v_2 + k) * x;
+  }
+  for (; k < n; ++k) {
+    sum_1[0] += v_1[k] * tail[k];
+    sum_2[0] += v_2[k] * tail[k];
+  }
+  const S w_1 = tau_1 * (pivot_1 + (sum_1[0] + sum_1[1]) + (sum_1[2] + sum_1[3]));
+  const S w_2 = tau_2 * (pivot_2 + (sum_2[0] + sum_2[1]) + (sum_2[2] + sum_2[3]) - w_1 * product);
+  pivot_1 -= w_1;
+  pivot_2 -= w_2;
+  for (k = 0; k + 4 <= n; k += 4) four(tail + k) -= w_1 * four(v_1 + k) + w_2 * four(v_2 + k);
+  for (; k < n; ++k) tail[k] -= w_1 * v_1[k] + w_2 * v_2[k];
 }
 
 /// A pivot below this part of the largest one counts as zero.                            docs/math/solver.md (13)

@@ -180,13 +180,21 @@ class Marginalizer {
   void fold() {
     std::array<bool, MaxDim + 1> touched;
     for (int c = 0; c <= dim_; ++c) touched[c] = first_nonzero(column(c) + dim_, waiting_) < waiting_;
+    const auto reach = [&](int k, int row) { return touched[k] = touched[k] || column(k)[row] != 0; };
     for (int c = 0; c < dim_; ++c) {
       if (!touched[c]) continue;
-      const double tau = make_reflection(column(c)[c], column(c) + dim_, waiting_);
+      double* const v = column(c) + dim_;
+      const double tau = make_reflection(column(c)[c], v, waiting_);
+      const int first = c;
+      while (++c < dim_ && !reach(c, first)) {
+      }
+      reflect(tau, v, column(c)[first], column(c) + dim_, waiting_);  // the right-hand side when there is no other
+      if (c == dim_) break;
+      double* const u = column(c) + dim_;
+      const double tau_u = make_reflection(column(c)[c], u, waiting_), product = dot(v, u, waiting_);
       for (int k = c + 1; k <= dim_; ++k) {
-        if (!touched[k] && column(k)[c] == 0) continue;
-        touched[k] = true;
-        reflect(tau, column(c) + dim_, column(k)[c], column(k) + dim_, waiting_);
+        if (reach(k, first) || reach(k, c))
+          reflect_twice(tau, v, column(k)[first], tau_u, u, column(k)[c], product, column(k) + dim_, waiting_);
       }
     }
     waiting_ = 0;

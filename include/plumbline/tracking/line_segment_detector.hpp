@@ -112,10 +112,14 @@ class LineSegmentDetector {
       moments.add(points_.back().x(), points_.back().y());
     }
     FittedLine line = moments.line();
-    for (int iteration = 0; iteration < 2; ++iteration) {
+    const auto belongs = [&](const Vec<float, 2>& point) {
+      return std::abs(line.distance(point)) < options.max_distance_px;
+    };
+    const bool all_belong = std::all_of(points_.begin(), points_.end(), belongs);
+    for (int iteration = 0; iteration < 2 && !all_belong; ++iteration) {
       moments = {};
       for (const Vec<float, 2>& point : points_) {
-        if (std::abs(line.distance(point)) < options.max_distance_px) moments.add(point.x(), point.y());
+        if (belongs(point)) moments.add(point.x(), point.y());
       }
       if (!(moments.n >= 8.0f)) return;
       line = moments.line();
@@ -127,7 +131,7 @@ class LineSegmentDetector {
     float from = line.along(points_.back()), to = line.along(points_[0]), slope = 0;
     int aligned = 0;
     for (std::size_t k = 0; k < points_.size(); ++k) {
-      if (!(std::abs(line.distance(points_[k])) < options.max_distance_px)) continue;
+      if (!belongs(points_[k])) continue;
       const float across = edges.aligned_slope(origin + points_[k], normal);
       aligned += across > 0;
       slope += across;
