@@ -242,7 +242,7 @@ class BackendRun {
     const SE3<double> T_first = T_world_body();
     const auto& w = window_options_;
     // In the world: tilt, which is measured, and heading, which is not.
-    const Vec<double, 3> turn(0.005 * noise_(), 0.005 * noise_(), w.sigma_first_rotation * noise_());
+    const Vec<double, 3> turn{0.005 * noise_(), 0.005 * noise_(), w.sigma_first_rotation * noise_()};
     T_start_ = SE3<double>(SO3<double>::exp(turn) * T_first.rotation(),
                            T_first.p() + w.sigma_first_position * noise_.vector<3>());
     std::vector<NavState<S>> states(static_cast<std::size_t>(K));

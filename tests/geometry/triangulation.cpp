@@ -30,7 +30,7 @@ struct Truth {
 /// A point seen from cameras up to 0.5 m apart, bearings disturbed by `noise` [rad].
 template <class S>
 Truth make_views(Random& random, double noise, std::array<TriangulationView<S>, view_count>& views) {
-  const Vec<double, 3> p_ca(random_vector(random).x(), random_vector(random).y(), 2 + 4 * random.uniform());
+  const Vec<double, 3> p_ca{random_vector(random).x(), random_vector(random).y(), 2 + 4 * random.uniform()};
   for (auto& view : views) {
     Vec<double, 6> xi;
     xi << 0.2 * random_vector(random), 0.5 * random_vector(random);

@@ -36,7 +36,7 @@ TEMPLATE_TEST_CASE("rolling_shutter: a turning camera's rows, brought to the mid
   const auto cam = camera<S>();
   testing::Gaussian random(3);
   for (int trial = 0; trial < 200; ++trial) {
-    const Vec<S, 3> w = S(1.5) * Vec<S, 3>(S(random()), S(random()), S(random()));
+    const Vec<S, 3> w = S(1.5) * Vec<S, 3>{S(random()), S(random()), S(random())};
     const S readout = S(0.026);
     const auto shutter = shutter_of<S>(cam, readout, w);
     const Vec<S, 2> still{S(120 + 400 * random.random().uniform()), S(100 + 280 * random.random().uniform())};
