@@ -24,8 +24,8 @@ class FastContrast {
     for (std::size_t i = 0; i < 16; ++i) circle_[i] = dy[i] * stride + dx[i];
   }
 
-  /// Of none of the `Size` pixels from `row` on is the contrast larger: an arc of 9 holds a pixel of each opposite pair,
-  /// and four pairs are looked at.
+  /// None of `Size` pixels from `row` on has a larger contrast: an arc of 9 holds a pixel of each opposite pair, and
+  /// four pairs are looked at.
   template <int Size>
   std::uint8_t bound_of_row(const std::uint8_t* row) const {
     return bound_of_row<Size>(row, std::make_index_sequence<4>{});
