@@ -10,6 +10,7 @@
 
 #include "catch.hpp"
 #include "estimator/simulation.hpp"
+#include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/mono.hpp"
 #include "plumbline/sensor/rgbd.hpp"
 #include "plumbline/state/frame_window.hpp"
@@ -109,6 +110,15 @@ struct Life {
 };
 
 }  // namespace
+
+TEST_CASE("point_flow: beside an IMU aligned points are worth more") {
+  using Inertial = Rig<Mono<Pinhole<float>, SimulatedRgbd::width * SimulatedRgbd::height>, Imu>;
+  const Life<float, 50>::FrontEnd::Options alone;
+  const Life<float, 50, Inertial>::FrontEnd::Options beside;
+  REQUIRE(beside.sigma_px < alone.sigma_px);
+  REQUIRE(beside.sigma_intensity < alone.sigma_intensity);
+  REQUIRE(beside.sigma_flow_px == alone.sigma_flow_px);
+}
 
 TEMPLATE_TEST_CASE("point_flow: a keyframe fills the map with corners that have depth", "", float, double) {
   Life<TestType, 250> life;

@@ -32,6 +32,18 @@ struct PointFlowOptions {
   TriangulationOptions triangulation;
 };
 
+/// `Base`, with what is known better of a rig: beside the readings of an IMU an aligned point must weigh what it is
+/// worth, or the scale follows their errors. Where images are all there is only the weights among points matter.
+template <class Base, SensorRig Sensors>
+struct PointOptionsOf : Base {
+  constexpr PointOptionsOf() {
+    if constexpr (Sensors::has_imu) {
+      this->sigma_px /= 2;
+      this->sigma_intensity /= 2;
+    }
+  }
+};
+
 template <class Store>
 class PointFlow {
  public:
@@ -39,11 +51,11 @@ class PointFlow {
   using Sensors = typename Kind::Sensors;
   using S = typename Kind::Scalar;
   using Landmark = typename Store::Landmark;
-  using Options = PointFlowOptions;
+  using Options = PointOptionsOf<PointFlowOptions, Sensors>;
   static constexpr bool votes = true;
   static constexpr bool relates_two_views = true;  ///< by for_each_pair
 
-  explicit PointFlow(const Options& options) : options_(options) {}
+  explicit PointFlow(const PointFlowOptions& options) : options_(options) {}
 
   void follow(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_predicted) {
     const SE3<S> T_cam_world = (T_world_predicted * view.T_body_cam).inverse();
@@ -231,7 +243,7 @@ class PointFlow {
     landmark.geometry.sigma_inverse_range = depth.sigma * bearing.z();
   }
 
-  Options options_;
+  PointFlowOptions options_;
   FixedVector<Vec<float, 2>, Store::capacity> in_sight_;
   FixedVector<Corner, Store::capacity> corners_;
   std::size_t first_search_ = 0;

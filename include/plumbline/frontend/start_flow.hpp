@@ -13,7 +13,7 @@ class StartFlow {
   using Options = typename PointFlow<Store>::Options;
   static constexpr bool votes = true, relates_two_views = true, is_for_start = true;
 
-  explicit StartFlow(const Options& options) : flow_(options) {}
+  explicit StartFlow(const PointFlowOptions& options) : flow_(options) {}
 
   /// A start begins, or is over: other kinds carry the estimate.
   void begin_start() { is_over_ = false; }
