@@ -10,10 +10,10 @@ class StartFlow {
  public:
   using Kind = typename Store::Kind;
   using S = typename Kind::Scalar;
-  using Options = typename PointFlow<Store>::Options;
+  using Options = PointFlowOptions;
   static constexpr bool votes = true, relates_two_views = true, is_for_start = true;
 
-  explicit StartFlow(const PointFlowOptions& options) : flow_(options) {}
+  explicit StartFlow(const Options& options) : flow_(options) {}
 
   /// A start begins, or is over: other kinds carry the estimate.
   void begin_start() { is_over_ = false; }
