@@ -32,14 +32,14 @@ struct PointFlowOptions {
   TriangulationOptions triangulation;
 };
 
-/// `Base`, with what is known better of a rig: beside the readings of an IMU an aligned point must weigh what it is
-/// worth, or the scale follows their errors. Where images are all there is only the weights among points matter.
-template <class Base, SensorRig Sensors>
-struct PointOptionsOf : Base {
+/// Of a rig: beside the readings of an IMU an aligned point must weigh what it is worth, or the scale follows their
+/// errors. Where images are all there is only the weights among points matter.                   docs/math/point.md
+template <SensorRig Sensors>
+struct PointOptionsOf : PointFlowOptions {
   constexpr PointOptionsOf() {
     if constexpr (Sensors::has_imu) {
-      this->sigma_px /= 2;
-      this->sigma_intensity /= 2;
+      sigma_px /= 2;
+      sigma_intensity /= 2;
     }
   }
 };
@@ -51,7 +51,7 @@ class PointFlow {
   using Sensors = typename Kind::Sensors;
   using S = typename Kind::Scalar;
   using Landmark = typename Store::Landmark;
-  using Options = PointOptionsOf<PointFlowOptions, Sensors>;
+  using Options = PointOptionsOf<Sensors>;
   static constexpr bool votes = true;
   static constexpr bool relates_two_views = true;  ///< by for_each_pair
 
