@@ -19,7 +19,7 @@ TEMPLATE_TEST_CASE("cholesky: solves a damped system from its lower triangle", "
     const Eigen::VectorXd expected = (A + Eigen::MatrixXd(damping.asDiagonal())).inverse() * b;
     A.triangularView<Eigen::StrictlyUpper>().setConstant(std::numeric_limits<double>::quiet_NaN());  // not read
     Cholesky<S, 30> factor;
-    REQUIRE(factor.compute(A.cast<S>(), damping.cast<S>()));
+    REQUIRE(factor.compute(A.cast<S>().eval(), damping.cast<S>()));
     typename Cholesky<S, 30>::Vector x = b.cast<S>();
     factor.solve_in_place(x);
     REQUIRE((x.template cast<double>() - expected).norm() < (sizeof(S) == 4 ? 1e-3 : 1e-11) * expected.norm());
@@ -30,10 +30,10 @@ TEMPLATE_TEST_CASE("cholesky: refuses what is not positive definite or not finit
   using S = TestType;
   Random random(2);
   Cholesky<S, 12> factor;
-  const Eigen::MatrixXd J =
-      random_matrix(random, 11, 12);  // rank 11 of 12: rounding decides the sign of the last pivot
-  REQUIRE_FALSE(factor.compute((J.transpose() * J).cast<S>(), Vec<S, 12>::Zero()));
-  REQUIRE(factor.compute((J.transpose() * J).cast<S>(), Vec<S, 12>::Constant(S(1e-2))));
+  const Eigen::MatrixXd J = random_matrix(random, 11, 12);
+  const Mat<S, 12, 12> singular = (J.transpose() * J).cast<S>();  // rounding decides the sign of the last pivot
+  REQUIRE_FALSE(factor.compute(singular, Vec<S, 12>::Zero()));
+  REQUIRE(factor.compute(singular, Vec<S, 12>::Constant(S(1e-2))));
   Eigen::Matrix<S, 3, 3> A = Eigen::Matrix<S, 3, 3>::Identity();
   A(2, 2) = S(-1);
   REQUIRE_FALSE(factor.compute(A, Vec<S, 3>::Zero()));
@@ -66,7 +66,7 @@ TEMPLATE_TEST_CASE("cholesky: rows that start late, in another order", "", float
     for (int j = 0; j < dim; ++j) stored(shuffled(i), shuffled(j)) = A(i, j);
   }
   Cholesky<S, 30> factor;
-  REQUIRE(factor.compute(stored.cast<S>(), Vec<S, dim>::Zero(), shuffled));
+  REQUIRE(factor.compute(stored.cast<S>().eval(), Vec<S, dim>::Zero(), shuffled));
   Vec<S, dim> solution = b.cast<S>(), forward = unit.cast<S>();
   factor.solve_in_place(solution);
   REQUIRE((solution.template cast<double>() - expected).norm() < (sizeof(S) == 4 ? 1e-4 : 1e-12) * expected.norm());

@@ -22,10 +22,11 @@ class Cholesky {
  public:
   using Vector = Eigen::Matrix<S, Eigen::Dynamic, 1, 0, MaxDim, 1>;
 
-  /// Factor of P (A + diag(damping)) P^T; reads the lower triangle of A (dim x dim). Row k of the factor belongs to
-  /// parameter order(k). False when A is not positive definite to the precision of S, or not finite.
+  /// Factor of P (A + diag(damping)) P^T; reads the lower triangle of A (dim x dim), a matrix in memory. Row k of the
+  /// factor belongs to parameter order(k). False when A is not positive definite to the precision of S, or not finite.
   template <class DA, class Dd, class Order>
   bool compute(const Eigen::MatrixBase<DA>& A, const Eigen::MatrixBase<Dd>& damping, Order&& order) {
+    static_assert(int(DA::Flags) & Eigen::DirectAccessBit, "evaluate the expression first: it is read by element");
     PLUMBLINE_ASSERT(A.rows() <= MaxDim && A.cols() == A.rows() && damping.size() == A.rows());
     dim_ = int(A.rows());
     std::array<int, std::size_t(max_tiles) * width> parameters;
