@@ -115,7 +115,7 @@ struct Window {
     double t = (k - 1) * Motion::interval_s;
     Vec<double, 3> last_gyro = gyro(), last_accel = accel(t);
     for (int n = 0; n < int(Motion::interval_s * spread.rate_hz); ++n, t += dt) {
-      const ImuInterval<double> interval{dt, last_gyro, gyro(), last_accel, accel(t + dt), 0, 0};
+      const ImuInterval<double> interval{dt, last_gyro, gyro(), last_accel, accel(t + dt)};
       out.add(interval.cast<S>());
       last_gyro = interval.gyro_end;
       last_accel = interval.accel_end;

@@ -61,7 +61,7 @@ TEST_CASE("imu_buffer: between two times, cut by interpolation at both ends") {
     REQUIRE((i.gyro_begin - linear(t).gyro).norm() + (i.accel_begin - linear(t).accel).norm() < 1e-12);
     t += TimeNs(i.dt * 1e9 + 0.5);
     REQUIRE((i.gyro_end - linear(t).gyro).norm() + (i.accel_end - linear(t).accel).norm() < 1e-12);
-    REQUIRE((i.gyro_sigma == 0 && i.accel_sigma < 1e-9));
+    REQUIRE((i.gyro_sigma == 0 && i.accel_sigma.norm() < 1e-9));
   }
   REQUIRE(t == end);
 }
@@ -169,7 +169,7 @@ TEST_CASE("imu_buffer: interpolates over a gap, and says so") {
   REQUIRE(e.intervals.size() == 3);  // 40 - 45 - 50 - 100
   REQUIRE((e.intervals[2].gyro_end - linear(t0 + 100 * ms).gyro).norm() < 1e-12);
   REQUIRE((e.intervals[1].gyro_sigma == 0 && e.intervals[2].gyro_sigma == Approx(10 * 0.1 / 2 * std::sqrt(2.0))));
-  REQUIRE(e.intervals[2].accel_sigma == Approx(50 * 0.1 / 2 * std::sqrt(2.0)));  // half of it
+  REQUIRE(e.intervals[2].accel_sigma[0] == Approx(50 * 0.1 / 2 * std::sqrt(2.0)));  // half of it
   REQUIRE((e.coverage.gap_s == Approx(0.05) && e.coverage.missing() == Approx(5.0 / 6)));
   REQUIRE(extract(filled(200 * ms, 50 * ms, 70 * ms), t0, t0 + 200 * ms).coverage.gap_s == 0);  // 20 ms: no gap
 }
@@ -184,7 +184,7 @@ TEST_CASE("imu_buffer: holds the nearest sample outside of its samples") {
   REQUIRE(late.coverage.held_s == Approx(0.04));
   const Extracted early = extract(buffer, t0 - 30 * ms, t0 + 5 * ms);
   REQUIRE((early.intervals.size() == 2 && early.intervals[0].gyro_end == linear(t0).gyro));
-  REQUIRE(early.intervals[0].accel_sigma == Approx(50 * 0.03 / 2));
+  REQUIRE(early.intervals[0].accel_sigma[0] == Approx(50 * 0.03 / 2));
   REQUIRE(early.coverage.held_s == Approx(0.03));
   REQUIRE(extract(buffer, t0 - 30 * ms, t0 - 10 * ms).coverage.missing() == 1);
   REQUIRE(extract(buffer, t0 + 30 * ms, t0 + 40 * ms).intervals[0].gyro_sigma ==
@@ -209,7 +209,7 @@ TEST_CASE("imu_buffer: saturated readings are clipped and doubted, each sensor b
   REQUIRE((e.intervals[1].accel_end.x() == -80 && e.intervals[1].gyro_sigma == 0));
   for (int k = 0; k < 8; ++k) {                  // the interval from sample k to the next
     const int blind = k >= 1 && k <= 4 ? k : 0;  // intervals at the rail so far
-    REQUIRE(e.intervals[k].accel_sigma == Approx(80 * std::sqrt(blind)).epsilon(1e-6));
+    REQUIRE(e.intervals[k].accel_sigma[0] == Approx(80 * std::sqrt(blind)).epsilon(1e-6));
   }
   REQUIRE((e.intervals[4].gyro_sigma == 0 && e.intervals[5].gyro_sigma == Approx(4)));
   REQUIRE((e.intervals[6].gyro_sigma == Approx(4 * std::sqrt(2.0)) && e.intervals[7].gyro_sigma == 0));
@@ -228,7 +228,7 @@ TEST_CASE("imu_buffer: a full scale that nobody stated is found out, and doubted
   }
   REQUIRE((buffer.accel_full_scale() == 9.5 && buffer.gyro_full_scale() == buffer.options().gyro_full_scale));
   const Extracted e = extract(buffer, t0, t0 + 20 * ms);
-  for (const ImuInterval<double>& i : e.intervals) REQUIRE((i.accel_sigma == Approx(9.5) && i.gyro_sigma == 0));
+  for (const ImuInterval<double>& i : e.intervals) REQUIRE((i.accel_sigma[0] == Approx(9.5) && i.gyro_sigma == 0));
 }
 
 TEST_CASE("imu_buffer: one error for all of a gap, wherever it is cut") {
@@ -260,22 +260,24 @@ TEST_CASE("imu_buffer: an accelerometer that shakes is doubted by a part of what
   testing::Gaussian noise(7);
   ImuBuffer<512> buffer;
   const ImuBufferOptions& options = buffer.options();
-  const double sigma = 0.8;
+  const Vec<double, 3> sigma(0.8, 0.2, 0.4);
   const auto shaken = [&](TimeNs t) {
     ImuSample sample = linear(t0 + t);
-    sample.accel += sigma * noise.vector<3>();
+    sample.accel += cwise_product(sigma, noise.vector<3>());
     return sample;
   };
-  const auto doubt_before = [&](TimeNs t) { return extract(buffer, t0 + t - 5 * ms, t0 + t).intervals[0].accel_sigma; };
+  const auto doubt_before = [&](TimeNs t) -> Vec<double, 3> {
+    return extract(buffer, t0 + t - 5 * ms, t0 + t).intervals[0].accel_sigma;
+  };
   TimeNs t = 0;
   for (; t <= 1000 * ms; t += 5 * ms) REQUIRE(buffer.add(linear(t0 + t)));
-  CHECK(doubt_before(1000 * ms) < 1e-9);  // smooth motion is none
+  CHECK(doubt_before(1000 * ms).norm() < 1e-9);  // smooth motion is none
   for (; t <= 3000 * ms; t += 5 * ms) REQUIRE(buffer.add(shaken(t)));
-  CHECK(doubt_before(3000 * ms) == Approx(options.vibration * sigma).epsilon(0.15));
+  for (int k = 0; k < 3; ++k) CHECK(doubt_before(3000 * ms)[k] == Approx(options.vibration * sigma[k]).epsilon(0.25));
   const Extracted halves = extract(buffer, t0 + 2995 * ms, t0 + 2997 * ms);
-  CHECK(halves.intervals[0].accel_sigma * std::sqrt(2.0 / 5) == Approx(doubt_before(3000 * ms)));
+  CHECK(halves.intervals[0].accel_sigma[0] * std::sqrt(2.0 / 5) == Approx(doubt_before(3000 * ms)[0]));
   for (; t <= 6000 * ms; t += 5 * ms) REQUIRE(buffer.add(linear(t0 + t)));
-  CHECK(doubt_before(6000 * ms) < 0.01 * sigma);
+  CHECK(doubt_before(6000 * ms).norm() < 0.02 * sigma[0]);
   CHECK(extract(buffer, t0 + 5995 * ms, t0 + 6000 * ms).intervals[0].gyro_sigma == 0);
 }
 

@@ -153,10 +153,11 @@ TEST_CASE("increment: doubtful readings count as noise") {
   ImuInterval<double> d = test::interval_between(motion.at(0), motion.at(5'000'000));
   ImuIncrement<double> plain, doubtful;
   plain.integrate(d, {});
-  d.gyro_sigma = 0.4, d.accel_sigma = 3;
+  d.gyro_sigma = 0.4, d.accel_sigma = {2, 3, 4};
   doubtful.integrate(d, {});
   REQUIRE(plain.covariance(0, 0) == Approx(1.7e-4 * 1.7e-4 * 0.005).epsilon(1e-3));
   REQUIRE(std::sqrt(doubtful.covariance(0, 0)) == Approx(0.4 * 0.005).epsilon(1e-3));
-  REQUIRE(std::sqrt(doubtful.covariance(8, 8)) == Approx(3 * 0.005).epsilon(1e-2));
+  for (int k = 0; k < 3; ++k)
+    REQUIRE(std::sqrt(doubtful.covariance(6 + k, 6 + k)) == Approx(d.accel_sigma[k] * 0.005).epsilon(1e-2));
   REQUIRE(doubtful.delta.dv == plain.delta.dv);
 }

@@ -89,7 +89,7 @@ TEST_CASE("preintegration: when a new bias is far") {
 
 TEST_CASE("preintegration: refuses intervals without duration") {
   Preintegration<double> p;
-  ImuInterval<double> interval{0, {0, 0, 0}, {0, 0, 0}, {0, 0, 9}, {0, 0, 9}, 0, 0};
+  ImuInterval<double> interval{0, {0, 0, 0}, {0, 0, 0}, {0, 0, 9}, {0, 0, 9}};
   REQUIRE(!p.add(interval));
   interval.dt = std::numeric_limits<double>::quiet_NaN();
   REQUIRE(!p.add(interval));

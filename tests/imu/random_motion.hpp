@@ -42,7 +42,7 @@ class RandomMotion {
 };
 
 inline ImuInterval<double> interval_between(const ImuSample& a, const ImuSample& b) {
-  return {seconds_between(a.t_ns, b.t_ns), a.gyro, b.gyro, a.accel, b.accel, 0, 0};
+  return {seconds_between(a.t_ns, b.t_ns), a.gyro, b.gyro, a.accel, b.accel};
 }
 
 /// Visits the intervals of that motion from one time to another, all of the same length.

@@ -148,7 +148,6 @@ class Beginning {
       }
       return false;
     } else {
-      wait(odometry, HealthReason::aligning, InitStage::aligning);
       publish_rough(odometry);
       return start_.add(view.t_ns, odometry.window().latest().T_world_body * view.T_body_cam,
                         odometry.motion.imu().since_frame(), odometry.rig_state);
@@ -222,8 +221,9 @@ class Beginning {
     }
   }
 
-  /// Before the scale is certain: the pose in the metres that are known so far.
+  /// Before the scale is certain: the pose in the metres that are known so far, if any are.
   void publish_rough(Odometry& odometry) {
+    wait(odometry, HealthReason::aligning, InitStage::aligning);
     if (!start_.has_estimate()) return;
     State x = state_of(odometry.window().latest().T_world_body, odometry.rig_state.T_body_cam());
     x.v_world_body = T_world_start_.rotation() * start_.latest_velocity();

@@ -17,8 +17,8 @@
 /// time without a live reading, of which the interval dt is a part, and one error for all of it:
 ///   sigma = s sqrt(T/dt),   s = rate of change * T/2,  or full scale: at its rail a sensor says nothing        (8)
 /// An accelerometer that shakes is doubted as well: a part of what its readings differ by from one to the next, once
-/// aliased, looks like motion. With v the variance of readings dt apart that bend by a_k - 2 a_k-1 + a_k-2,
-///   v += (|bend|^2/18 - v) dt/vibration_s,   sigma = vibration sqrt(v)                                         (8b)
+/// aliased, looks like motion. With v, axis by axis, the variance of readings dt apart that bend by a_k - 2 a_k-1 + a_k-2,
+///   v += (bend^2/6 - v) dt/vibration_s,   sigma = vibration sqrt(v)                                            (8b)
 
 #include <algorithm>
 #include <cmath>
@@ -43,7 +43,7 @@ struct ImuBufferOptions {
   double gap_s = 0.025;             ///< samples further apart are a gap [s]
   double gyro_rate = 10;            ///< how fast the true readings change: [rad/s^2]
   double accel_rate = 50;           ///< [m/s^3]
-  double vibration = 0.1;           ///< part of how accelerations scatter that counts as noise, (8b)
+  double vibration = 0.3;           ///< part of how accelerations scatter that counts as noise, (8b)
   double vibration_s = 0.5;         ///< over which they scatter [s]
   double max_jump_s = 1;            ///< [s]
   int frozen_samples = 25;          ///< sensors with noise do not repeat six numbers
@@ -137,10 +137,10 @@ class ImuBuffer {
  private:
   struct Item {
     ImuSample sample;
-    int repeated;                                ///< how often these six numbers came before
-    TimeNs live_ns;                              ///< when they came first
-    TimeNs gyro_in_range_ns, accel_in_range_ns;  ///< of the newest sample so far that was not at its rail
-    double vibration;                            ///< v of (8b) [m^2/s^4]
+    int repeated;                                   ///< how often these six numbers came before
+    TimeNs live_ns;                                 ///< when they came first
+    TimeNs gyro_in_range_ns, accel_in_range_ns;     ///< of the newest sample so far that was not at its rail
+    Vec<double, 3> vibration = zeros<double, 3>();  ///< v of (8b), by axis [m^2/s^4]
   };
 
   static constexpr TimeNs never_used = std::numeric_limits<TimeNs>::min();
@@ -169,11 +169,11 @@ class ImuBuffer {
   }
 
   /// (8b), of three samples in a row.
-  double vibration(const Item& first, const Item& second, const Item& third) const {
+  Vec<double, 3> vibration(const Item& first, const Item& second, const Item& third) const {
     if (seconds_between(first.sample.t_ns, third.sample.t_ns) > 2 * options_.gap_s) return second.vibration;
     const Vec<double, 3> bend = third.sample.accel - 2 * second.sample.accel + first.sample.accel;
     const double part = seconds_between(second.sample.t_ns, third.sample.t_ns) / options_.vibration_s;
-    return second.vibration + std::min(1.0, part) * (squared_norm(bend) / 18 - second.vibration);
+    return second.vibration + std::min(1.0, part) * (cwise_product(bend, bend) / 6 - second.vibration);
   }
 
   ImuBufferOptions options_;
@@ -271,8 +271,11 @@ ImuCoverage ImuBuffer<Capacity>::for_each_interval(TimeNs t_begin_ns, TimeNs t_e
     const bool gyro_railed = gyro_saturated(a) || gyro_saturated(b);
     const bool accel_railed = accel_saturated(a) || accel_saturated(b);
     interval.gyro_sigma = doubt(options_.gyro_rate, gyro_railed, gyro_full_scale(), a.gyro_in_range_ns);
-    interval.accel_sigma = std::hypot(doubt(options_.accel_rate, accel_railed, accel_full_scale(), a.accel_in_range_ns),
-                                      options_.vibration * std::sqrt(b.vibration * spacing_s / interval.dt));
+    const double unread = doubt(options_.accel_rate, accel_railed, accel_full_scale(), a.accel_in_range_ns);
+    for (int k = 0; k < 3; ++k) {
+      const double shaken = options_.vibration * std::sqrt(b.vibration[k] * spacing_s / interval.dt);
+      interval.accel_sigma[k] = std::hypot(unread, shaken);
+    }
     if (gyro_railed) out.gyro_saturated_s += interval.dt;
     if (gyro_railed || accel_railed) out.saturated_s += interval.dt;
     visit(interval);

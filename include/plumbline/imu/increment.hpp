@@ -108,7 +108,7 @@ void ImuIncrement<S>::integrate(const ImuInterval<S>& interval, const ImuNoise& 
   for (int k = 9; k < 15; ++k) {
     const bool of_gyro = k < 12;
     const S density = S(of_gyro ? noise.gyro_density : noise.accel_density);
-    const S sigma = of_gyro ? interval.gyro_sigma : interval.accel_sigma;
+    const S sigma = of_gyro ? interval.gyro_sigma : interval.accel_sigma[k - 12];
     const S walk = S(of_gyro ? noise.gyro_walk : noise.accel_walk);
     const S white = density * density / dt + sigma * sigma;
     covariance(k, k) += walk * walk * dt;

@@ -20,8 +20,8 @@ struct ImuInterval {
   S dt = S(0);                       ///< [s]
   Vec<S, 3> gyro_begin, gyro_end;    ///< [rad/s]
   Vec<S, 3> accel_begin, accel_end;  ///< [m/s^2]
-  S gyro_sigma = S(0);               ///< of the mean reading, beyond the sensor's noise: gap, saturation [rad/s]
-  S accel_sigma = S(0);              ///< the same, and vibration [m/s^2]
+  S gyro_sigma = S(0);  ///< of the mean reading, beyond the sensor's noise: gap, saturation [rad/s]
+  Vec<S, 3> accel_sigma = zeros<S, 3>();  ///< the same and vibration, by axis [m/s^2]
 
   Vec<S, 3> mean_gyro() const { return S(0.5) * (gyro_begin + gyro_end); }
   Vec<S, 3> mean_accel() const { return S(0.5) * (accel_begin + accel_end); }
@@ -34,7 +34,7 @@ struct ImuInterval {
             cast_to<Other>(accel_begin),
             cast_to<Other>(accel_end),
             Other(gyro_sigma),
-            Other(accel_sigma)};
+            cast_to<Other>(accel_sigma)};
   }
 };
 
@@ -54,7 +54,7 @@ ImuInterval<S> merged(const ImuInterval<S>& a, const ImuInterval<S>& b) {
   out.accel_begin = a_mean + sculling - a_half;
   out.accel_end = a_mean + sculling + a_half;
   out.gyro_sigma = std::hypot(ua * a.gyro_sigma, ub * b.gyro_sigma);
-  out.accel_sigma = std::hypot(ua * a.accel_sigma, ub * b.accel_sigma);
+  for (int k = 0; k < 3; ++k) out.accel_sigma[k] = std::hypot(ua * a.accel_sigma[k], ub * b.accel_sigma[k]);
   return out;
 }
 

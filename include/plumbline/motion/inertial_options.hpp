@@ -8,8 +8,8 @@
 namespace plumbline {
 
 struct InertialOptions : InertialLinkOptions {
-  double gyro_inflation = 2;  ///< of the calibrated densities: vibration, scale and alignment errors
-  double accel_inflation = 5;
+  double gyro_inflation = 2;  ///< of the calibrated densities: scale and alignment errors; vibration is measured
+  double accel_inflation = 2;
   double walk_inflation = 2;
   double velocity_sigma = 0.1;    ///< of the velocity that predicts a frame, where the window does not tell [m/s]
   double velocity_doubt = 3;      ///< the window's own is so much too small
@@ -22,7 +22,7 @@ struct InertialOptions : InertialLinkOptions {
   double rate_error_s = 0.3;      ///< mean over so long
   double rate_error_sigmas = 12;  ///< and so many sigma of that mean
   double jump_settles_s = 3;      ///< readings are in doubt for so long
-  double max_disagreement = 6;    ///< of readings and images, see InertialLinks; about 2 on a vibrating drone
+  double max_disagreement = 4;    ///< of readings and images, see InertialLinks; about 1 on a vibrating drone
   double rest_motion_px = 0.5;    ///< landmarks that moved less since the last keyframe do not contradict a standstill
   double rest_check_s = 0.3;      ///< they are watched for so long
   double rest_hysteresis = 2;     ///< limits are this much wider for a body at rest
