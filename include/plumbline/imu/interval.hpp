@@ -17,10 +17,10 @@ namespace plumbline {
 
 template <std::floating_point S>
 struct ImuInterval {
-  S dt = S(0);                       ///< [s]
-  Vec<S, 3> gyro_begin, gyro_end;    ///< [rad/s]
-  Vec<S, 3> accel_begin, accel_end;  ///< [m/s^2]
-  S gyro_sigma = S(0);  ///< of the mean reading, beyond the sensor's noise: gap, saturation [rad/s]
+  S dt = S(0);                            ///< [s]
+  Vec<S, 3> gyro_begin, gyro_end;         ///< [rad/s]
+  Vec<S, 3> accel_begin, accel_end;       ///< [m/s^2]
+  S gyro_sigma = S(0);                    ///< of the mean reading, beyond the sensor's noise: gap, saturation [rad/s]
   Vec<S, 3> accel_sigma = zeros<S, 3>();  ///< the same and vibration, by axis [m/s^2]
 
   Vec<S, 3> mean_gyro() const { return S(0.5) * (gyro_begin + gyro_end); }
