@@ -17,7 +17,7 @@
 /// time without a live reading, of which the interval dt is a part, and one error for all of it:
 ///   sigma = s sqrt(T/dt),   s = rate of change * T/2,  or full scale: at its rail a sensor says nothing        (8)
 /// An accelerometer that shakes is doubted as well: a part of what its readings differ by from one to the next, once
-/// aliased, looks like motion. With v, axis by axis, the variance of readings dt apart that bend by a_k - 2 a_k-1 + a_k-2,
+/// aliased, looks like motion. With v the variance, by axis, of readings dt apart that bend by a_k - 2 a_k-1 + a_k-2,
 ///   v += (bend^2/6 - v) dt/vibration_s,   sigma = vibration sqrt(v)                                            (8b)
 
 #include <algorithm>
