@@ -9,7 +9,7 @@ namespace plumbline {
 
 struct InertialOptions : InertialLinkOptions {
   double gyro_inflation = 2;  ///< of the calibrated densities: scale and alignment errors; vibration is measured
-  double accel_inflation = 2;
+  double accel_inflation = 5;
   double walk_inflation = 2;
   double velocity_sigma = 0.1;    ///< of the velocity that predicts a frame, where the window does not tell [m/s]
   double velocity_doubt = 3;      ///< the window's own is so much too small
