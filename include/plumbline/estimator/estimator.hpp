@@ -187,8 +187,9 @@ class Estimator {
   /// The motion model alone. Where the image shows enough its features are followed, and located as soon as there is
   /// parallax; where it does not for long, what was seen before is out of sight. What contradicts the readings is of no
   /// use. True when the image shows enough to begin with.
-  bool coast(const View<Sensors>& view, const State& x, HealthReason lacks) {
+  bool coast(const View<Sensors>& view, State x, HealthReason lacks) {
     const RecoveryOptions& options = core_.options.recovery;
+    stand(view.t_ns, x);
     core_.window().set_latest(x);
     const bool is_old = lacks == HealthReason::images_repeat, is_wrong = lacks == HealthReason::imu_disagrees;
     bool shows_enough = !is_old && core_.landmarks.seen_count() >= options.min_landmarks;
@@ -209,6 +210,16 @@ class Estimator {
     core_.set_health(lost ? HealthState::lost : HealthState::degraded,
                      is_old || is_wrong ? lacks : HealthReason::coasting);
     return shows_enough;
+  }
+
+  /// A body that hardly moved stands when its readings say so: noise does not move it in the dark.
+  void stand(TimeNs t_ns, State& x) {
+    if constexpr (Core::Motion::Layout::template has<state::Velocity>) {
+      const State& before = core_.window().latest();
+      if (!(norm(before.v_world_body) < S(core_.options.motion.velocity_sigma)) || !core_.motion.may_rest(t_ns)) return;
+      x.T_world_body = before.T_world_body;
+      set_zero(x.v_world_body);
+    }
   }
 
   Core core_;
