@@ -4,76 +4,33 @@
 #include <memory>
 
 #include "catch.hpp"
-#include "feature/seen_lines.hpp"
-#include "feature/seen_points.hpp"
+#include "feature/seen_collinear.hpp"
 #include "plumbline/feature/window_terms.hpp"
 #include "plumbline/feature/window_views.hpp"
-#include "plumbline/sensor/mono.hpp"
 #include "plumbline/solver/normal_equations.hpp"
 
 using namespace plumbline;
 
 namespace {
 
-/// Six lines with three points on each, in the four keyframes of SeenPoints; by a camera without depth.
+/// Their terms.
 template <class S>
-struct Scene : test::SeenPoints<S, Rig<Mono<Pinhole<S>, 64 * 64>>> {
-  using Base = test::SeenPoints<S, Rig<Mono<Pinhole<S>, 64 * 64>>>;
-  using LineKind = CollinearKind<typename Base::Sensors>;
-  using LineStore = LandmarkStore<LineKind, 8, Base::slots>;
+struct Scene : test::SeenCollinear<S> {
+  using Base = test::SeenCollinear<S>;
+  using Base::lines, Base::noise;
+  using typename Base::LineStore;
   using LineTerms = WindowTerms<LineStore>;
   using PointTerms = WindowTerms<typename Base::Store>;
   using Terms = CollinearTerms<LineStore, typename Base::Store>;
   using Equations = NormalEquations<double, 6, Base::slots>;
-  static constexpr int count = 6, on_each = 3;
 
-  testing::Gaussian noise{7};
-  std::unique_ptr<LineStore> lines = std::make_unique<LineStore>(StoreOptions{});
   std::unique_ptr<LineTerms> line_terms = std::make_unique<LineTerms>();
   std::unique_ptr<PointTerms> point_terms = std::make_unique<PointTerms>();
   std::unique_ptr<Terms> terms = std::make_unique<Terms>();
   WindowViews<S, Base::slots> views;
   typename LineTerms::Pairs pairs;
 
-  Scene() : Base(0) {
-    Random random(5);
-    for (int i = 0; i < count; ++i) {
-      const Vec<double, 3> p = test::random_vector(random, 0.6),
-                           q = p + 0.6 * test::random_vector(random, 1).normalized();
-      typename LineStore::Landmark line;
-      line.anchor = i % 2;
-      for (int k = line.anchor; k < Base::used; ++k) line.observations[std::size_t(k)] = segment(p, q, k);
-      const SE3<double> T_cam_world = Base::T_world_cam(line.anchor).inverse();
-      line.geometry.line = Line3<double>::through(T_cam_world * p, T_cam_world * q).template cast<S>();
-      line.located = true;
-      for (int n = 0; n < on_each; ++n) add_point(p + double(n) / (on_each - 1) * (q - p), (i + n) % 2, line);
-      lines->landmarks().push_back(line);
-    }
-    update();
-  }
-
-  typename LineKind::Observation segment(const Vec<double, 3>& p, const Vec<double, 3>& q, int slot) {
-    const SE3<double> T = Base::T_world_cam(slot).inverse();
-    return test::observe_segment<typename LineKind::Observation>(Base::points.camera, T * p, T * q, 0, noise);
-  }
-  /// Seen by all frames from its anchor on.
-  void add_point(const Vec<double, 3>& p_world, int anchor, typename LineStore::Landmark& line) {
-    typename Base::Landmark point;
-    point.id = std::uint32_t(100 + Base::store->landmarks().size());
-    point.anchor = anchor;
-    point.located = true;
-    for (int k = anchor; k < Base::used; ++k) {
-      const Vec<double, 3> p_cam = Base::T_world_cam(k).inverse() * p_world;
-      auto& seen = point.observations[std::size_t(k)];
-      seen.valid = true;
-      seen.pixel = seen.uv = Base::points.camera.project(p_cam).uv.template cast<float>();
-      if (k != anchor) continue;
-      point.geometry.bearing = p_cam.normalized().template cast<S>();
-      point.geometry.inverse_range = S(1 / p_cam.norm());
-    }
-    line.appearance.points.push_back({.id = point.id});
-    Base::store->landmarks().push_back(point);
-  }
+  Scene() { update(); }
 
   void update() {
     views.update(Base::window, Base::T_body_cam.template cast<S>());
@@ -122,17 +79,17 @@ struct Scene : test::SeenPoints<S, Rig<Mono<Pinhole<S>, 64 * 64>>> {
   void disturb(double size) {
     for (int k = 1; k < Base::used; ++k) {
       Vec<double, 6> e;
-      e << 0.002 * noise.vector<3>(), 0.004 * noise.vector<3>();
+      e << 0.002 * noise.template vector<3>(), 0.004 * noise.template vector<3>();
       Base::window.state(k).add((size * e).template cast<S>());
     }
     for (auto& point : Base::store->landmarks()) point.geometry.inverse_range *= S(1 + size * 0.01 * noise());
     for (auto& line : lines->landmarks()) {
-      line.geometry.line = line.geometry.line.plus((size * 0.003 * noise.vector<4>()).template cast<S>());
+      line.geometry.line = line.geometry.line.plus((size * 0.003 * noise.template vector<4>()).template cast<S>());
     }
   }
   double distance_to_line(int point) const {
     const auto& p = Base::store->landmarks()[std::size_t(point)];
-    const auto& line = lines->landmarks()[std::size_t(point / on_each)];
+    const auto& line = lines->landmarks()[std::size_t(point / Base::on_each)];
     return (views_of(p.anchor, line.anchor) * (p.geometry.bearing / p.geometry.inverse_range).template cast<double>() -
             line.geometry.line.closest_point().template cast<double>())
         .cross(line.geometry.line.direction().template cast<double>())

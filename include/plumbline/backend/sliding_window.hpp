@@ -7,10 +7,6 @@
 /// anchored in it, into the next (r0, J0). What a frame's state is, and which links hold, is the motion model's: a
 /// camera alone has poses and no links, docs/math/inertial_window.md has both.
 
-#include <algorithm>
-#include <tuple>
-#include <type_traits>
-
 #include "plumbline/backend/backend.hpp"
 #include "plumbline/backend/rig_prior.hpp"
 #include "plumbline/backend/window_equations.hpp"
@@ -187,16 +183,6 @@ class WindowBackend {
   template <class Store>
   using Terms = WindowTerms<Store>;
   using AllTerms = typename Landmarks::template TupleOf<Terms>;
-  template <class... T>
-  static constexpr int max_rows_of(std::tuple<T...>*) {
-    return std::max({T::max_rows...});
-  }
-  template <class... T>
-  static constexpr int max_dim_of(std::tuple<T...>*) {
-    return std::max({T::Kind::dim...});
-  }
-  using PriorOfAll =
-      WindowPrior<Window, max_rows_of(static_cast<AllTerms*>(nullptr)), max_dim_of(static_cast<AllTerms*>(nullptr))>;
 
   /// What the solver sees of the window; `views_` are those of the state, or of the trial.
   struct Problem {
@@ -284,7 +270,7 @@ class WindowBackend {
   Window window_, backup_;
   [[no_unique_address]] Links links_;
   WindowViews<S, K> views_;
-  PriorOfAll prior_;
+  WindowPriorOf<Window, AllTerms> prior_;
   [[no_unique_address]] RigPrior<Layout> known_;
   WindowEquations<Window> equations_;
   AllTerms terms_;

@@ -3,6 +3,9 @@
 /// and those of the camera's mount and clock.                                                 docs/math/window.md
 /// The prior keeps columns for every slot; those of free slots, and of frames that it knows nothing of, are zero.
 
+#include <algorithm>
+#include <tuple>
+
 #include "plumbline/core/assert.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/present.hpp"
@@ -192,5 +195,20 @@ class WindowPrior {
   [[no_unique_address]] Present<Adjoint, has_extrinsics<typename Window::Layout>> E_;  ///< of what leaves
   BoundedMatrix<double, max_rows, max_columns + dim + 1> work_;
 };
+
+namespace detail {
+
+template <class Window, class Terms>
+struct PriorOf;
+template <class Window, class... T>
+struct PriorOf<Window, std::tuple<T...>> {
+  using type = WindowPrior<Window, std::max({T::max_rows...}), std::max({T::Kind::dim...})>;
+};
+
+}  // namespace detail
+
+/// Of a window with these terms, a tuple.
+template <class Window, class Terms>
+using WindowPriorOf = typename detail::PriorOf<Window, Terms>::type;
 
 }  // namespace plumbline

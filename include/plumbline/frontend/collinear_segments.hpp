@@ -5,11 +5,8 @@
 /// of them with a line that is known, far enough apart, is that line, if its place in space agrees; nothing of its
 /// looks is kept but which side is bright. Lines that one segment belongs to are one. Between keyframes the outermost
 /// members in sight stand for the line.
-///
-/// Where a line is: the plane of its anchor's segment, and its members in space.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -19,10 +16,9 @@
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/collinear_kind.hpp"
 #include "plumbline/feature/view.hpp"
-#include "plumbline/frontend/line_location.hpp"
+#include "plumbline/frontend/collinear_location.hpp"
+#include "plumbline/frontend/points_on_segments.hpp"
 #include "plumbline/frontend/segment_measurement.hpp"
-#include "plumbline/residual/collinear_point.hpp"
-#include "plumbline/solver/gauss_newton.hpp"
 #include "plumbline/tracking/edge_map.hpp"
 #include "plumbline/tracking/line_detector.hpp"
 #include "plumbline/tracking/line_tracking.hpp"
@@ -82,7 +78,8 @@ class CollinearSegments {
   void locate(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& /*T_world_body*/,
               const auto& before) {
     for (Landmark& landmark : store.landmarks()) {
-      if (!landmark.located && landmark.current.valid) locate(view, window, landmark, points_of(before));
+      if (!landmark.located && landmark.current.valid)
+        locate_collinear(view.T_body_cam, window, landmark, points_of(before));
     }
   }
 
@@ -92,9 +89,9 @@ class CollinearSegments {
     if (!edges_.compute(image, options_.detector.min_gradient)) return;
     detector_.detect(image, edges_, options_.detector, detected_);
     if (!edges_.compute(image, options_.detector.min_gradient)) return;  // the detector may have taken their pixels
-    associate(points);
+    on_segments_.associate(points, detected_, options_.member_px);
     for (std::size_t k = 0; k < detected_.size(); ++k) {
-      Members members = members_of(k, points);
+      Members members = on_segments_.of(k, points);
       if (!are_apart(members, points, nullptr)) continue;
       Observation seen;
       measure(view, image, detected_[k], seen);
@@ -118,16 +115,13 @@ class CollinearSegments {
         landmark.appearance.points = members;
         landmark.anchor = slot;
         landmark.observations[static_cast<std::size_t>(slot)] = seen;
-        locate(view, window, landmark, points);
+        locate_collinear(view.T_body_cam, window, landmark, points);
         if (!store.add(landmark, slot)) break;
       }
     }
   }
 
  private:
-  using Pair = std::array<int, 2>;
-  static constexpr int none = -1;
-
   static const auto& points_of(const auto& before) {
     return std::apply(
         [](const auto&... stores) -> const auto& { return held_of<Kind>(stores...); }, before);
@@ -152,36 +146,6 @@ class CollinearSegments {
         known->offset_px = member.offset_px;
       }
     }
-  }
-
-  /// The segments that each point in sight is on, two at a corner; where there are more nobody knows which.
-  void associate(const auto& points) {
-    segments_of_.clear();
-    for (const auto& point : points.landmarks()) {
-      Pair on{none, none};
-      std::size_t fits = 0;
-      for (std::size_t k = 0; point.current.valid && k < detected_.size(); ++k) {
-        if (!(distance_to(detected_[k], point.current.pixel) < options_.member_px)) continue;
-        if (fits < on.size()) on[fits] = static_cast<int>(k);
-        ++fits;
-      }
-      segments_of_.push_back(fits > on.size() ? Pair{none, none} : on);
-    }
-  }
-  /// Of a pixel to a segment, not to the line beyond its ends.
-  static float distance_to(const LineSegment& segment, const Vec<float, 2>& uv) {
-    const Vec<float, 2> extent = segment.end - segment.start, off = uv - segment.start;
-    const float along = std::clamp(dot(off, extent) / squared_norm(extent), 0.0f, 1.0f);
-    return norm(off - along * extent);
-  }
-  Members members_of(std::size_t segment, const auto& points) const {
-    Members out;
-    for (std::size_t i = 0; i < segments_of_.size(); ++i) {
-      const Pair& on = segments_of_[i];
-      if (on[0] == static_cast<int>(segment) || on[1] == static_cast<int>(segment))
-        out.push_back({.id = points.landmarks()[i].id, .hint = static_cast<int>(i)});
-    }
-    return out;
   }
 
   /// Whether two of the points are far enough apart, in the latest image and, of those that it shows, in that of the
@@ -317,75 +281,12 @@ class CollinearSegments {
     other.located = other.current.valid = false;
   }
 
-  // ------------------------------------------------------------------------------------------------ location
-
-  /// A member as the line's anchor sees it.
-  struct InAnchor {
-    RelativeView<S> view;  ///< from the point's anchor
-    Vec<S, 3> bearing;     ///< there
-    S lambda, sigma_lambda;
-    S offset, sigma;  ///< of the tie
-  };
-
-  void locate(const View<Sensors>& view, const auto& window, Landmark& landmark, const auto& points) const {
-    const Observation& seen = landmark.seen_by_anchor();
-    if (!seen.valid || seen.from_points) return;
-    const LineReprojection<S>& pixels = seen.pixels.measured;
-    FixedVector<InAnchor, Kind::max_points> members;
-    Vec<S, 3> start = zeros<S, 3>(), end = start;
-    S from = S(0), to = S(0);
-    for (auto& member : landmark.appearance.points) {
-      const int i = index_of(points, member);
-      if (i < 0 || !points.landmarks()[static_cast<std::size_t>(i)].located) continue;
-      const auto& point = points.landmarks()[static_cast<std::size_t>(i)];
-      const auto& at = point.geometry;
-      const RelativeView<S> to_line(window.T_world_body(point.anchor), window.T_world_body(landmark.anchor),
-                                    view.T_body_cam);
-      const Vec<S, 3> X = to_line.scaled_point(at.bearing, at.inverse_range) / at.inverse_range;
-      const S along = dot(pixels.bearing_end - pixels.bearing_start, X) / norm(X);
-      if (members.empty() || along < from) from = along, start = X;
-      if (members.empty() || along > to) to = along, end = X;
-      members.push_back({to_line, at.bearing, at.inverse_range, at.sigma_inverse_range, member.offset, member.sigma()});
-    }
-    if (members.size() < 2) return;
-    Line3<S> line = Line3<S>::through(start, end);
-    if (!line.is_finite()) return;
-    Mat<double, 4, 4> covariance;
-    for (int iteration = 0; iteration < 4; ++iteration) {
-      DenseNormalEquations<double, 4> system;
-      detail::add_in_anchor(seen.pixels, line, system);
-      for (const InAnchor& member : members) {
-        const auto lin = CollinearPoint<S>::linearize(member.view, line, member.bearing, member.lambda);
-        const Vec<S, 2> w = weights_of(lin, member), r = cwise_product(w, lin.r - Vec<S, 2>(member.offset, S(0)));
-        Mat<S, 2, 4> J = lin.J_r_line;
-        for (int c = 0; c < 4; ++c) J(0, c) *= w[0], J(1, c) *= w[1];
-        system.add(J, r, Kind::point_loss.weight(squared_norm(r)));
-      }
-      Vec<double, 4> step;
-      if (!system.solve(step) || !system.covariance(covariance)) return;
-      line = line.plus(cast_to<S>(step));
-    }
-    int straight = 0;
-    for (const InAnchor& member : members) {
-      const auto lin = CollinearPoint<S>::linearize(member.view, line, member.bearing, member.lambda);
-      const Vec<S, 2> r = lin.r - Vec<S, 2>(member.offset, S(0));
-      straight += squared_norm(cwise_product(weights_of(lin, member), r)) < S(9);
-    }
-    if (straight < 2 || 2 * straight < static_cast<int>(members.size())) return;
-    detail::adopt_line(landmark, line, cast_to<S>(covariance));
-  }
-  /// Of r, one by sigma: that of the tie and that of the point's range.
-  static Vec<S, 2> weights_of(const typename CollinearPoint<S>::Linearized& lin, const InAnchor& member) {
-    return {S(1) / std::hypot(member.sigma, lin.J_r_lambda[0] * member.sigma_lambda),
-            S(1) / std::hypot(member.sigma, lin.J_r_lambda[1] * member.sigma_lambda)};
-  }
-
   Options options_;
   EdgeMap<decltype(Sensors::vision)::max_pixels> edges_;
   LineTracker tracker_;
   Detector detector_;
   FixedVector<LineSegment, 300> detected_;
-  FixedVector<Pair, 1024> segments_of_;  ///< of each point, by its place in the store; later ones have none
+  PointsOnSegments<Members> on_segments_;
 };
 
 }  // namespace plumbline
