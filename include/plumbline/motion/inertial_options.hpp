@@ -1,6 +1,8 @@
 #pragma once
 /// What the motion of a rig with an IMU takes for granted of its sensors and of what it sees.
 
+#include <algorithm>
+
 #include "plumbline/imu/standstill.hpp"
 #include "plumbline/motion/inertial_links.hpp"
 #include "plumbline/state/camera_imu_filter.hpp"
@@ -8,8 +10,9 @@
 namespace plumbline {
 
 struct InertialOptions : InertialLinkOptions {
-  double gyro_inflation = 2;  ///< of the calibrated densities: scale and alignment errors; vibration is measured
-  double accel_inflation = 5;
+  double gyro_inflation = 2;  ///< of the calibrated density: scale and alignment errors; vibration is measured
+  double accel_error = 6e-3;  ///< the same of an accelerometer, whatever its density [m/s^2/sqrt(Hz)],
+  double min_accel_inflation = 2, max_accel_inflation = 5;  ///< but so many times the density
   double walk_inflation = 2;
   double velocity_sigma = 0.1;    ///< of the velocity that predicts a frame, where the window does not tell [m/s]
   double velocity_doubt = 3;      ///< the window's own is so much too small
@@ -32,7 +35,8 @@ struct InertialOptions : InertialLinkOptions {
 
   ImuNoise inflated(ImuNoise noise) const {
     noise.gyro_density *= gyro_inflation;
-    noise.accel_density *= accel_inflation;
+    noise.accel_density =
+        std::clamp(accel_error, min_accel_inflation * noise.accel_density, max_accel_inflation * noise.accel_density);
     noise.gyro_walk *= walk_inflation;
     noise.accel_walk *= walk_inflation;
     return noise;
