@@ -143,7 +143,7 @@ class ByHand {
   bool needs_keyframe() {
     double sum_px = 0;
     int count = 0;
-    store().add_motion_since(keyframe_, sum_px, count);
+    store().add_motion_since(keyframe_, 1e9, sum_px, count);
     const double moved_px = count > 0 ? sum_px / count : 0;
     return rule_.is_keyframe(store().tracked_count(), tracked_at_keyframe_,
                              moved_px / double(effective_focal_length(rig_.vision.camera)));

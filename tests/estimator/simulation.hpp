@@ -21,8 +21,8 @@ struct SimulatedRgbd {
   std::vector<TimeNs> t_ns;
   std::vector<SE3<double>> T_world_cam;
 
-  explicit SimulatedRgbd(int count, double first_s = 2, double rate_hz = 20) {
-    const testing::Trajectory trajectory = *testing::Trajectory::for_scene("room");
+  explicit SimulatedRgbd(int count, double first_s = 2, double rate_hz = 20,
+                         const testing::Trajectory& trajectory = *testing::Trajectory::for_scene("room")) {
     const SE3<double> T_body_cam = testing::simulated_T_body_camera();
     testing::SimulatedCamera simulated(testing::Renderer(*testing::make_scene("room"), camera, width, height, 2),
                                        T_body_cam, {}, 1);

@@ -168,7 +168,7 @@ TEMPLATE_TEST_CASE("landmark_store: motion and ranges are sums over what is in s
   store.landmarks()[3].located = false;
   double motion = 0, expected_motion = 0, ranges = 0, expected_ranges = 0;
   int moved = 0, located = 0;
-  store.add_motion_since(1, motion, moved);
+  store.add_motion_since(1, 1e9, motion, moved);
   store.add_inverse_ranges(ranges, located);
   for (const std::size_t i : {0u, 3u, 4u, 5u}) {
     const auto& each = store.landmarks()[i];
@@ -180,6 +180,13 @@ TEMPLATE_TEST_CASE("landmark_store: motion and ranges are sums over what is in s
   }
   REQUIRE(moved == 4);
   REQUIRE(motion == Approx(expected_motion));
+  // Of those that moved less than the first of them.
+  double less_px = 0;
+  int less = 0;
+  const auto& first = store.landmarks()[0];
+  store.add_motion_since(1, Kind::motion_px(first.observations[1], first.current), less_px, less);
+  REQUIRE(less < 4);
+  REQUIRE(less_px <= less * Kind::motion_px(first.observations[1], first.current));
   REQUIRE(located == 4);
   REQUIRE(ranges == Approx(expected_ranges));
 }

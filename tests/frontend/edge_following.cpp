@@ -118,7 +118,7 @@ TEST_CASE("edge_following: lines located by one depth image fit the next frames"
   REQUIRE(count == left);
   REQUIRE(count / inverse_sum > 1);
   REQUIRE(count / inverse_sum < 4);
-  run.store->add_motion_since(0, motion_px, moved);
+  run.store->add_motion_since(0, 1e9, motion_px, moved);
   REQUIRE(moved >= left);
   // The mean over lines of all directions is near the mean motion of the image.
   double flow_px = 0;

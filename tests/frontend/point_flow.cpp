@@ -210,7 +210,7 @@ TEST_CASE("point_flow: later keyframes are recorded; one that leaves takes the l
   REQUIRE(again > int(first) / 4);
   double motion_px = 0;
   int count = 0;
-  life.store->add_motion_since(0, motion_px, count);
+  life.store->add_motion_since(0, 1e9, motion_px, count);
   REQUIRE(count == again);
   REQUIRE(motion_px > 2 * count);
 

@@ -102,8 +102,9 @@ TEST_CASE("constant_velocity: ties no frames, and has no opinion on what the ima
   const auto& motion = moving.motion;
   CHECK_FALSE(motion.ties_frames());
   CHECK_FALSE(motion.carries_on());
-  CHECK(motion.confirm_keyframe(0, 3, true));
-  CHECK_FALSE(motion.confirm_keyframe(0, 3, false));
+  const auto motion_px = [] { return 3.0; };
+  CHECK(motion.confirm_keyframe(0, motion_px, true));
+  CHECK_FALSE(motion.confirm_keyframe(0, motion_px, false));
   CHECK_FALSE(motion.revise(moving.latest, moving.latest, 0.1));
   CHECK(motion.doubt(NoLinks(0), 0) == HealthReason::none);
   const Mat<double, 6, 6> covariance = 2 * Mat<double, 6, 6>::Identity();

@@ -69,6 +69,11 @@ struct Drive {
     read(from, to, [](ImuSample&) {});
   }
 
+  bool confirm_keyframe(double moved_px, bool needed) {
+    return motion->confirm_keyframe(
+        now, [&] { return moved_px; }, needed);
+  }
+
   /// On to the next frame, without having seen its features; readings may be missing, or changed.
   void advance(bool reads = true) {
     if (reads) read(now, now + frame);
@@ -174,7 +179,7 @@ TEMPLATE_TEST_CASE("inertial: where readings are missing images turn, and tell t
   drive.go_on(1);
   NavState<S> untouched = drive.latest;
   CHECK_FALSE(drive.motion->revise(drive.latest, untouched, S(frame_s)));
-  CHECK_FALSE(drive.motion->confirm_keyframe(drive.now, 50, false));
+  CHECK_FALSE(drive.confirm_keyframe(50, false));
 
   for (int k = 0; k < 2; ++k) {
     drive.advance(false);
@@ -187,7 +192,7 @@ TEMPLATE_TEST_CASE("inertial: where readings are missing images turn, and tell t
     const NavState<S> x =
         drive.motion->update(predicted.state, drive.truth(drive.now).T_world_body, Drive<S>::sure(), drive.view());
     CHECK(drive.error(x) < Drive<S>::tolerance);
-    CHECK_FALSE(drive.motion->confirm_keyframe(drive.now, 50, false));  // the readings are not back yet
+    CHECK_FALSE(drive.confirm_keyframe(50, false));  // the readings are not back yet
     NavState<S> solved = x;
     solved.v_world_body.setZero();
     REQUIRE(drive.motion->revise(drive.latest, solved, S(frame_s)));
@@ -195,10 +200,10 @@ TEMPLATE_TEST_CASE("inertial: where readings are missing images turn, and tell t
     drive.found();
   }
   drive.go_on(1);
-  CHECK(drive.motion->confirm_keyframe(drive.now, 50, false));  // they are: the next link knows the velocity
+  CHECK(drive.confirm_keyframe(50, false));  // they are: the next link knows the velocity
   drive.motion->begin_link(drive.latest);
-  CHECK_FALSE(drive.motion->confirm_keyframe(drive.now, 50, false));
-  CHECK(drive.motion->confirm_keyframe(drive.now, 50, true));
+  CHECK_FALSE(drive.confirm_keyframe(50, false));
+  CHECK(drive.confirm_keyframe(50, true));
 }
 
 TEMPLATE_TEST_CASE("inertial: at the rails of one sensor the other one is still believed", "", float, double) {
@@ -238,6 +243,15 @@ TEMPLATE_TEST_CASE("inertial: a link has all readings since its keyframe", "", f
   CHECK(link.increment.noise().accel_walk == Approx(options.walk_inflation * ImuNoise{}.accel_walk));
 }
 
+TEST_CASE("inertial: what an accelerometer errs by beside its noise does not grow with the noise") {
+  const InertialOptions options;
+  const auto inflated = [&](double density) { return options.inflated({.accel_density = density}).accel_density; };
+  CHECK(inflated(ImuNoise{}.accel_density) == options.accel_error);
+  CHECK(inflated(1e-2) == Approx(options.min_accel_inflation * 1e-2));
+  CHECK(inflated(2e-4) == Approx(options.max_accel_inflation * 2e-4));
+  CHECK(inflated(0) == 0);
+}
+
 TEMPLATE_TEST_CASE("inertial: a gyroscope whose bias jumps, against the images", "", float, double) {
   using S = TestType;
   const InertialOptions options;
@@ -270,7 +284,7 @@ TEMPLATE_TEST_CASE("inertial: a gyroscope whose bias jumps, against the images",
   CHECK(suspect > 0);  // images that turn otherwise are heard until it is decided
 
   // It is found once, in a link that ends as soon as it can, and is to explain what is seen from now on.
-  CHECK(drive.motion->confirm_keyframe(drive.now, 100, false));
+  CHECK(drive.confirm_keyframe(100, false));
   drive.motion->begin_link(drive.latest);
   CHECK_FALSE(drive.motion->link(0).jumped);
   CHECK(excludes(1.1 * options.doubted_innovation));
@@ -328,7 +342,7 @@ TEMPLATE_TEST_CASE("inertial: a standstill is what image and readings agree on",
   CHECK(resting.motion->look_for_rest(resting.now, 0.9 * options.rest_motion_px));
   CHECK(resting.motion->at_rest());
   CHECK(resting.motion->link(0).at_rest);
-  CHECK_FALSE(resting.motion->confirm_keyframe(resting.now, 0, true));  // at rest there are none
+  CHECK_FALSE(resting.confirm_keyframe(0, true));  // at rest there are none
   // Left less easily than entered.
   const double between = 0.5 * (1 + options.rest_hysteresis) * options.rest_motion_px;
   CHECK(resting.motion->look_for_rest(resting.now, between));

@@ -24,7 +24,7 @@ for config in {rgbd-imu,mono-imu}/{points,lines,points+lines}/window; do
     }
     END {if (n < 50) fast = 1; print fast + 0, 1000 * far, left ? left : 9}' states.csv)
   echo "$config: at most $speed m/s and $moved_mm mm while it stands, left after $left_s s"
-  awk -v v="$speed" -v mm="$moved_mm" -v s="$left_s" 'BEGIN {exit !(v < 0.02 && mm < 5 && s < 0.36)}' ||
+  awk -v v="$speed" -v mm="$moved_mm" -v s="$left_s" 'BEGIN {exit !(v < 0.005 && mm < 1 && s < 0.36)}' ||
     fail "$config: $speed m/s, $moved_mm mm, left after $left_s s"
 done
 finish

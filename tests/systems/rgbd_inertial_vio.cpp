@@ -1,9 +1,13 @@
 #include "plumbline/systems/rgbd_inertial_vio.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <type_traits>
+#include <vector>
 
 #include "../estimator/simulation.hpp"
 #include "catch.hpp"
@@ -23,51 +27,67 @@ static_assert(std::same_as<Vio, Estimator<Sensors, Features<Points<400>, Lines<1
 static_assert(std::same_as<Vio::S, double> && std::same_as<RgbdInertialVio<Pinhole<float>>::S, float>);
 static_assert(Sensors::has_depth && Sensors::has_imu && Sensors::rolls && Vio::Backend::Layout::dim == 15);
 
-}  // namespace
+/// Takes every frame of the room, whose images may be made dark, with the readings up to it.
+template <class Look>
+void fly(const test::SimulatedRgbd& world, const testing::Trajectory& trajectory, double first_s, Vio& vio,
+         const std::function<bool(double t)>& is_dark, Look&& look) {
+  testing::SimulatedImu simulated_imu(testing::ImuQuality{}, 1);
+  testing::SimulatedImu::Reading reading = simulated_imu.next(trajectory);
+  const std::vector<std::uint8_t> black(max_pixels, 0);
+  for (std::size_t i = 0; i < world.frames.size(); ++i) {
+    for (; reading.sample(0).t_ns <= world.t_ns[i]; reading = simulated_imu.next(trajectory)) {
+      if (reading.t >= first_s - 0.1) REQUIRE(vio.add_imu(reading.sample(0)));
+    }
+    const double t = 1e-9 * double(world.t_ns[i]);
+    ImageView<const std::uint8_t> gray = world.frames[i].gray.view();
+    if (is_dark(t)) gray = {black.data(), gray.width, gray.height, gray.width};
+    const Result<Estimate<double>> estimate = vio.add_frame({world.t_ns[i], gray, world.frames[i].depth.view()});
+    REQUIRE(estimate);
+    look(i, t, *estimate);
+  }
+}
 
-TEST_CASE("rgbd_inertial_vio: three seconds in a room, begun in motion") {
-  constexpr int frame_count = 60;
-  constexpr double first_s = 2;
-  const test::SimulatedRgbd world(frame_count, first_s);
-  const testing::ImuQuality quality;
-  testing::SimulatedImu simulated_imu(quality, 1);
-  const auto trajectory = *testing::Trajectory::for_scene("room");
-
+std::unique_ptr<Vio> make_vio(const test::SimulatedRgbd& world) {
   Sensors sensors{};
   sensors.vision.camera = world.camera;
   sensors.vision.width = world.width;
   sensors.vision.height = world.height;
   sensors.imu.T_body_cam = testing::simulated_T_body_camera();
-  sensors.imu.noise = quality.noise;
-  const auto vio = std::make_unique<Vio>(sensors);
+  sensors.imu.noise = testing::ImuQuality{}.noise;
+  return std::make_unique<Vio>(sensors);
+}
+SE3<double> true_T_world_body(const test::SimulatedRgbd& world, std::size_t i) {
+  return world.T_world_cam[i] * testing::simulated_T_body_camera().inverse();
+}
 
-  testing::SimulatedImu::Reading reading = simulated_imu.next(trajectory);
-  const SE3<double> T_body_cam = testing::simulated_T_body_camera();
+}  // namespace
+
+TEST_CASE("rgbd_inertial_vio: three seconds in a room, begun in motion") {
+  constexpr double first_s = 2;
+  const auto trajectory = *testing::Trajectory::for_scene("room");
+  const test::SimulatedRgbd world(60, first_s);
+  const auto vio = make_vio(world);
+
   SE3<double> T_truth_start, T_start;
   double path_m = 0, error_m = 0, velocity_error = 0;
   int tracking = 0, with_lines = 0;
-  for (std::size_t i = 0; i < frame_count; ++i) {
-    for (; reading.sample(0).t_ns <= world.t_ns[i]; reading = simulated_imu.next(trajectory)) {
-      if (reading.t >= first_s - 0.1) REQUIRE(vio->add_imu(reading.sample(0)));
-    }
-    const auto& frame = world.frames[i];
-    const Result<Estimate<double>> estimate = vio->add_frame({world.t_ns[i], frame.gray.view(), frame.depth.view()});
-    REQUIRE(estimate);
-    if (estimate->health.state != HealthState::tracking) continue;
-    const SE3<double> T_truth = world.T_world_cam[i] * T_body_cam.inverse();
+  const auto look = [&](std::size_t i, double t, const Estimate<double>& estimate) {
+    if (estimate.health.state != HealthState::tracking) return;
+    const SE3<double> T_truth = true_T_world_body(world, i);
     if (tracking++ == 0) {
       T_truth_start = T_truth;
-      T_start = estimate->T_world_body;
+      T_start = estimate.T_world_body;
     }
     path_m += i > 0 ? (world.T_world_cam[i].p() - world.T_world_cam[i - 1].p()).norm() : 0;
-    error_m = ((T_start.inverse() * estimate->T_world_body).p() - (T_truth_start.inverse() * T_truth).p()).norm();
-    const Vec<double, 3> v_truth = trajectory.at(1e-9 * double(world.t_ns[i])).v_world_body;
-    velocity_error = std::abs(estimate->v_world_body.norm() - v_truth.norm());
+    error_m = ((T_start.inverse() * estimate.T_world_body).p() - (T_truth_start.inverse() * T_truth).p()).norm();
+    velocity_error = std::abs(estimate.v_world_body.norm() - trajectory.at(t).v_world_body.norm());
     vio->landmarks().for_each([&](const auto& store) {
       using Kind = typename std::remove_cvref_t<decltype(store)>::Kind;
       if constexpr (std::same_as<Kind, LineKind<Sensors>>) with_lines += store.tracked_count() > 0;
     });
-  }
+  };
+  fly(
+      world, trajectory, first_s, *vio, [](double) { return false; }, look);
   CAPTURE(tracking, with_lines, path_m, error_m, velocity_error, name_of(vio->init_report().alignment));
   REQUIRE(vio->init_report().stage == InitStage::done);
   REQUIRE(tracking > 30);
@@ -75,4 +95,38 @@ TEST_CASE("rgbd_inertial_vio: three seconds in a room, begun in motion") {
   REQUIRE(path_m > 0.5);
   REQUIRE(error_m < 0.03 * path_m);
   REQUIRE(velocity_error < 0.05);
+}
+
+TEST_CASE("rgbd_inertial_vio: a light that goes out as it stops finds it where it stood, however long it takes") {
+  constexpr double first_s = 2, stands_s = 4, dark_s = 4.2, known_s = 5.3, bright_s = 9.5, goes_s = 10;
+  auto trajectory = *testing::Trajectory::for_scene("room");
+  trajectory.stop(stands_s - testing::Trajectory::ramp_s, goes_s);
+  const test::SimulatedRgbd world(190, first_s, 20, trajectory);
+  const auto vio = make_vio(world);
+  REQUIRE(bright_s - dark_s > Vio::Options{}.recovery.max_coasting_s);
+
+  Vec<double, 3> p_known;
+  double moved_m = 0, from_truth_m = 0;
+  int lost = 0, tracking_again = 0;
+  SE3<double> T_start;
+  const auto look = [&](std::size_t i, double t, const Estimate<double>& estimate) {
+    const Vec<double, 3> p = estimate.T_world_body.p();
+    if (t < dark_s) T_start = true_T_world_body(world, i) * estimate.T_world_body.inverse();
+    lost += t > stands_s && estimate.health.state == HealthState::lost;
+    if (t < known_s) p_known = p;  // the readings need a second
+    if (t > known_s && t < bright_s) moved_m = std::max(moved_m, (p - p_known).norm());
+    if (t > goes_s + 0.7) {
+      tracking_again += estimate.health.state == HealthState::tracking;
+      from_truth_m =
+          std::max(from_truth_m, ((T_start * estimate.T_world_body).p() - true_T_world_body(world, i).p()).norm());
+    }
+  };
+  fly(
+      world, trajectory, first_s, *vio, [&](double t) { return t > dark_s && t < bright_s; }, look);
+  CAPTURE(moved_m, from_truth_m, lost, tracking_again);
+  CHECK(lost == 0);
+  CHECK(vio->latest().resets == 0);
+  CHECK(moved_m < 1e-3);
+  CHECK(tracking_again > 12);
+  CHECK(from_truth_m < 0.03);
 }

@@ -110,7 +110,7 @@ class Beginning {
       odometry.landmarks.for_each([](auto& store) { store.prune(); });
       report_.features = start.pairs();
       wait(odometry, HealthReason::aligning, InitStage::little_parallax);
-      const double motion_px = odometry.motion_px();
+      const double motion_px = odometry.motion_of_most_px();
       const bool at_rest = is_at_rest(odometry, view.t_ns, motion_px);
       if (start.has_expired(seconds_between(first_view_ns_, view.t_ns)) ||
           (at_rest && has_crept(odometry, motion_px))) {

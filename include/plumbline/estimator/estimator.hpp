@@ -189,7 +189,7 @@ class Estimator {
   /// use. True when the image shows enough to begin with.
   bool coast(const View<Sensors>& view, State x, HealthReason lacks) {
     const RecoveryOptions& options = core_.options.recovery;
-    stand(view.t_ns, x);
+    const bool stands = stand(view.t_ns, x);
     core_.window().set_latest(x);
     const bool is_old = lacks == HealthReason::images_repeat, is_wrong = lacks == HealthReason::imu_disagrees;
     bool shows_enough = !is_old && core_.landmarks.seen_count() >= options.min_landmarks;
@@ -202,24 +202,30 @@ class Estimator {
     } else {
       if (!is_old) core_.landmarks.for_each([](auto& store) { store.undo_frame(); });
     }
-    const Covariance covariance = core_.motion.covariance_grown(core_.estimate.covariance);
+    Covariance covariance = core_.estimate.covariance;
+    if (!stands) covariance = core_.motion.covariance_grown(covariance);
     core_.publish(view.t_ns);
     core_.estimate.covariance = covariance;
     core_.estimate.tracked = 0;
+    if (stands) core_.good_ns = view.t_ns;
     const bool lost = !(core_.blind_s(view.t_ns) < options.max_coasting_s);
     core_.set_health(lost ? HealthState::lost : HealthState::degraded,
                      is_old || is_wrong ? lacks : HealthReason::coasting);
     return shows_enough;
   }
 
-  /// A body that hardly moved stands when its readings say so: noise does not move it in the dark.
-  void stand(TimeNs t_ns, State& x) {
+  /// A body that hardly moved stands when its readings say so: noise does not move it in the dark, and it is not lost.
+  /// Every second there its velocity is in doubt by as much as it was before.
+  bool stand(TimeNs t_ns, State& x) {
     if constexpr (Core::Motion::Layout::template has<state::Velocity>) {
       const State& before = core_.window().latest();
-      if (!(norm(before.v_world_body) < S(core_.options.motion.velocity_sigma)) || !core_.motion.may_rest(t_ns)) return;
+      const double hardly = core_.options.motion.velocity_sigma * (1 + core_.blind_s(t_ns));
+      if (!(double(norm(before.v_world_body)) < hardly) || !core_.motion.may_rest(t_ns)) return false;
       x.T_world_body = before.T_world_body;
       set_zero(x.v_world_body);
+      return true;
     }
+    return false;
   }
 
   Core core_;

@@ -57,18 +57,16 @@ class Odometry {
   Backend backend;
   [[no_unique_address]] MapT map;
   Estimate<S> estimate;
-  Origin<S> origin;  ///< of what is published
+  Origin<S> origin;    ///< of what is published
+  TimeNs good_ns = 0;  ///< of the last frame whose image was of use, or that stood
 
   Window& window() { return backend.window(); }
   const Window& window() const { return backend.window(); }
 
   /// Mean motion of the landmarks in the image since the last keyframe [px]; 0 when none is seen in both.
-  double motion_px() const {
-    double sum_px = 0;
-    int count = 0;
-    landmarks.for_each_independent([&](const auto& store) { store.add_motion_since(keyframe_, sum_px, count); });
-    return count > 0 ? sum_px / count : 0;
-  }
+  double motion_px() const { return landmarks.motion_since(keyframe_); }
+  /// Without those that moved thrice as far as the mean: where a body stands some tracks creep, and things may move.
+  double motion_of_most_px() const { return landmarks.motion_since(keyframe_, 3 * motion_px()); }
   int keyframe() const { return keyframe_; }  ///< slot of the last one
   S mean_depth() const { return landmarks.template mean_depth<S>(); }
 
@@ -129,11 +127,13 @@ class Odometry {
     // The keyframe's uncertainty, carried over to this body, plus that of the motion since.
     publish(carried(keyframe_covariance_, window().T_world_body(keyframe_), x.T_world_body) + covariance);
     locate(view);
-    good_ns_ = view.t_ns;
+    good_ns = view.t_ns;
   }
   bool needs_keyframe(TimeNs t_ns) {
-    const double px = motion_px(), rad = px / double(effective_focal_length(rig.vision.camera));
-    return motion.confirm_keyframe(t_ns, px, rule_.is_keyframe(landmarks.tracked_count(), tracked_at_keyframe_, rad));
+    const double rad = motion_px() / double(effective_focal_length(rig.vision.camera));
+    const bool needed = rule_.is_keyframe(landmarks.tracked_count(), tracked_at_keyframe_, rad);
+    return motion.confirm_keyframe(
+        t_ns, [&] { return motion_of_most_px(); }, needed);
   }
   /// The latest frame, which was solved for alone, becomes a keyframe.
   void make_keyframe(const View<Sensors>& view) {
@@ -172,7 +172,7 @@ class Odometry {
   }
   void publish_in_window(const View<Sensors>& view) {
     images.keep(view, window().latest().T_world_body);
-    publish(good_ns_ = view.t_ns);
+    publish(good_ns = view.t_ns);
     if (stands_) return;
     using Known = std::conditional_t<TellsVelocity<Backend>, MovingLayout, VisualLayout>;
     Mat<S, Known::dim, Known::dim> known;
@@ -206,8 +206,7 @@ class Odometry {
     backend.retire(rig, view.T_body_cam, landmarks, slot, map);
   }
   void drop_temporary() {
-    if (temporary_ != none) backend.drop(landmarks, temporary_);
-    temporary_ = none;
+    if (temporary_ != none) backend.drop(landmarks, std::exchange(temporary_, none));
   }
 
   /// The last frame of a standstill stays: what comes is tied to it.
@@ -234,7 +233,7 @@ class Odometry {
   /// The window has become metric, the latest frame is its last keyframe: links begin.
   void become_metric(const View<Sensors>& view) {
     front_ends.end_start(landmarks);
-    good_ns_ = view.t_ns;
+    good_ns = view.t_ns;
     publish(view.t_ns);
     adopt_keyframe(view, keyframe_);
   }
@@ -258,11 +257,10 @@ class Odometry {
     origin.travel_to(x.T_world_body);
     estimate.keyframe = false;
     estimate.tracked = landmarks.tracked_count();
-    const bool few = estimate.tracked < 2 * options.pose.min_inliers;
-    set_health(few ? HealthState::degraded : HealthState::tracking,
-               few ? HealthReason::few_features : HealthReason::none);
-    const HealthReason doubt = motion.doubt(backend.links(), window());
-    if (doubt != HealthReason::none) set_health(HealthState::degraded, doubt);
+    HealthReason doubt = motion.doubt(backend.links(), window());
+    if (doubt == HealthReason::none && estimate.tracked < 2 * options.pose.min_inliers)
+      doubt = HealthReason::few_features;
+    set_health(doubt == HealthReason::none ? HealthState::tracking : HealthState::degraded, doubt);
     if constexpr (Motion::Layout::template has<state::Velocity>) {
       if (!motion.ties_frames()) return;
       estimate.v_world_body = x.v_world_body;
@@ -273,7 +271,7 @@ class Odometry {
   /// The covariance of the published pose, that of the window being P.
   void publish(const Covariance& P) { estimate.covariance = P + origin.at(estimate.T_world_body); }
   void set_health(HealthState state, HealthReason reason) { estimate.health = {state, reason}; }
-  double blind_s(TimeNs t_ns) const { return seconds_between(good_ns_, t_ns); }
+  double blind_s(TimeNs t_ns) const { return seconds_between(good_ns, t_ns); }
 
  private:
   static constexpr int none = -1;
@@ -294,7 +292,6 @@ class Odometry {
   int tracked_at_keyframe_ = 0;
   bool stands_ = false;  ///< the body, for more than one frame
   Covariance keyframe_covariance_ = zeros<Covariance>();
-  TimeNs good_ns_ = 0;  ///< of the last frame whose image was of use
 };
 
 }  // namespace plumbline

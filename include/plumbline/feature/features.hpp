@@ -41,6 +41,14 @@ class LandmarkSet {
     });
   }
 
+  /// Mean motion of the landmarks in sight since the frame in `slot`, of those that moved less than `below` [px]; 0 of
+  /// none.
+  double motion_since(int slot, double below = 1e9) const {
+    double sum_px = 0;
+    int count = 0;
+    for_each_independent([&](const auto& store) { store.add_motion_since(slot, below, sum_px, count); });
+    return count > 0 ? sum_px / count : 0;
+  }
   /// Landmarks that the latest frame sees, and the located ones of them.
   int seen_count() const {
     int n = 0;

@@ -115,12 +115,14 @@ class LandmarkStore {
     for (Landmark& landmark : landmarks_) Kind::rescale(landmark.geometry, scale);
   }
 
-  /// Adds up how far the landmarks in sight moved since the frame in `slot` [px].
-  void add_motion_since(int slot, double& sum_px, int& count) const {
+  /// Adds up how far the landmarks in sight moved since the frame in `slot`, if they moved less than `below` [px].
+  void add_motion_since(int slot, double below, double& sum_px, int& count) const {
     for (const Landmark& landmark : landmarks_) {
       const auto& then = landmark.observations[static_cast<std::size_t>(slot)];
       if (!landmark.current.valid || !then.valid) continue;
-      sum_px += Kind::motion_px(then, landmark.current);
+      const double px = Kind::motion_px(then, landmark.current);
+      if (!(px < below)) continue;
+      sum_px += px;
       ++count;
     }
   }

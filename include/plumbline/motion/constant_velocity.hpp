@@ -81,7 +81,7 @@ class ConstantVelocity {
   static constexpr bool ties_frames() { return false; }
   static constexpr bool at_rest() { return false; }
   static constexpr bool may_rest(TimeNs /*t_ns*/) { return true; }
-  bool confirm_keyframe(TimeNs, double /*motion_px*/, bool needed) const { return needed; }
+  bool confirm_keyframe(TimeNs, auto&& /*motion_px*/, bool needed) const { return needed; }
   Link link(int /*keyframe*/) const { return {}; }
   void begin_link(const State&) {}
   HealthReason doubt(const auto& /*links*/, const auto& /*window*/) const { return HealthReason::none; }

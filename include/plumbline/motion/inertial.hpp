@@ -196,11 +196,11 @@ class Inertial {
   }
   /// A link that was blind somewhere ends as soon as the readings are back: the next one tells the velocity. Readings
   /// as of a standstill make a keyframe that the landmarks can be seen to rest against. At rest there are none.
-  bool confirm_keyframe(TimeNs t_ns, double motion_px, bool needed) {
+  bool confirm_keyframe(TimeNs t_ns, auto&& motion_px, bool needed) {
     const bool rested = at_rest_;
     const double link_s = double(since_keyframe_.increment().duration);
     const bool long_enough = rested || link_s >= options_.rest_check_s;
-    const bool resting = long_enough && look_for_rest(t_ns, motion_px);
+    const bool resting = long_enough && look_for_rest(t_ns, motion_px());
     // The state at rest is that of the keyframe: readings before the last frame tell nothing more of what comes.
     if (is_metric_ && rested && (!resting || link_s > options_.max_rest_link_s)) {
       since_keyframe_ = imu_.since_frame();

@@ -14,7 +14,7 @@
 ///   lose              the images do not say where the frame is; `carries_on` if the model can without them
 ///   restart           everything begins anew; returns where
 ///   link, begin_link  from the last keyframe on; `at_rest`: the body has not moved since
-///   confirm_keyframe  whether a frame becomes a keyframe, given that the rule wants it
+///   confirm_keyframe  whether a frame becomes a keyframe: by how far most landmarks moved [px], if the rule wants it
 ///   doubt             what is wrong with what the sensors say
 
 #include <concepts>
