@@ -26,9 +26,9 @@ class Progress {
     if (percent / step == shown_percent_ / step) return;
     shown_percent_ = percent;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    const double left = done == 0 ? 0 : seconds * static_cast<double>(total_ - done) / static_cast<double>(done);
+    const double left_s = done == 0 ? 0 : seconds * static_cast<double>(total_ - done) / static_cast<double>(done);
     std::fprintf(stderr, "%s%s: %3zu %% (%zu of %zu, %.1f s, %.0f s left)%s", is_terminal_ ? "\r\033[K" : "",
-                 what_.c_str(), percent, done, total_, seconds, left, is_terminal_ && done != total_ ? "" : "\n");
+                 what_.c_str(), percent, done, total_, seconds, left_s, is_terminal_ && done != total_ ? "" : "\n");
   }
 
  private:
