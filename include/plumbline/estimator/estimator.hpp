@@ -189,9 +189,9 @@ class Estimator {
   /// use. True when the image shows enough to begin with.
   bool coast(const View<Sensors>& view, State x, HealthReason lacks) {
     const RecoveryOptions& options = core_.options.recovery;
-    const bool stands = stand(view.t_ns, x);
-    core_.window().set_latest(x);
     const bool is_old = lacks == HealthReason::images_repeat, is_wrong = lacks == HealthReason::imu_disagrees;
+    const bool stands = stand(view.t_ns, x) && !is_wrong;  // else all may have to begin anew
+    core_.window().set_latest(x);
     bool shows_enough = !is_old && core_.landmarks.seen_count() >= options.min_landmarks;
     if (shows_enough && !is_wrong) {
       core_.images.keep(view, x.T_world_body);
