@@ -79,6 +79,7 @@ struct PlaneKind {
       L /= scale;
     }
     void change_readout(S) {}
+    void rescale(S) {}
   };
   struct Appearance {
     pl::FixedVector<std::uint32_t, 100> points;  ///< ids of those that lie on it
@@ -92,6 +93,8 @@ struct PlaneKind {
     plane.covariance /= scale * scale;
   }
   static void change_readout(Geometry&, const Observation&, S) {}
+  static void set_range_in_anchor(Geometry&, Observation&, S) {}  // the shutter rolls too fast to mind
+  static void set_range(const Geometry&, Observation&, const pl::SE3<S>&, S) {}
   static void step(Geometry& plane, const pl::Vec<S, dim>& d) { plane.pi += d; }
   static bool settle(Geometry& plane, const Observation&, const pl::Mat<S, dim, dim>* covariance) {
     if (covariance) plane.covariance = *covariance;

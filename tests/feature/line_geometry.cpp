@@ -39,7 +39,7 @@ TEMPLATE_TEST_CASE("line_geometry: the line turns with the bearings of its ancho
     const S step = std::is_same_v<S, float> ? S(1e-2) : S(1e-4);
     const LineGeometry<S>& line = landmark.geometry;
     const auto& seen = landmark.seen_by_anchor();
-    Vec<S, 6> slope = line.slope(seen.pixels.measured, seen.bearing_slope.get());
+    Vec<S, 6> slope = line.slope(seen.pixels.measured, seen.by_readout());
     auto longer = line, shorter = line;
     longer.change(Vec<S, 6>(step * slope));
     shorter.change(Vec<S, 6>(-step * slope));
@@ -67,10 +67,10 @@ TEST_CASE("line_geometry: a line that its anchor does not see has no slope") {
   LineReprojection<double> behind = landmark.seen_by_anchor().pixels.measured;
   behind.bearing_start *= -1;
   behind.bearing_end *= -1;
-  REQUIRE(landmark.geometry.slope(behind, landmark.seen_by_anchor().bearing_slope.get()).isZero(0));
+  REQUIRE(landmark.geometry.slope(behind, landmark.seen_by_anchor().by_readout()).isZero(0));
   LineReprojection<double> point = landmark.seen_by_anchor().pixels.measured;
   point.bearing_end = point.bearing_start;
-  REQUIRE(landmark.geometry.slope(point, landmark.seen_by_anchor().bearing_slope.get()).isZero(0));
+  REQUIRE(landmark.geometry.slope(point, landmark.seen_by_anchor().by_readout()).isZero(0));
 }
 
 TEST_CASE("line_geometry: a line is sound while its distance is known and its anchor sees it") {

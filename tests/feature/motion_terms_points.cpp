@@ -65,11 +65,11 @@ Vec<double, 3> error(const Scene<S>& scene, std::size_t i, const SE3<double>& T_
                      double lambda) {
   const auto& landmark = scene.store.landmarks()[i];
   const Vec<double, 3> bearing = landmark.geometry.bearing.template cast<double>() +
-                                 d_readout * landmark.geometry.bearing_slope.get().template cast<double>();
+                                 d_readout * landmark.geometry.slope.get().by_readout().template cast<double>();
   const SE3<double> T_cam_anchor = (T_world_body * scene.T_body_cam).inverse() * scene.T_keyframe * scene.T_body_cam;
   const Vec<double, 3> p_cam = T_cam_anchor * Vec<double, 3>(bearing / lambda);
-  const Vec<double, 2> uv =
-      landmark.current.uv.template cast<double>() + d_readout * landmark.current.uv_slope.get().template cast<double>();
+  const Vec<double, 2> uv = landmark.current.uv.template cast<double>() +
+                            d_readout * landmark.current.slope.get().by_readout().template cast<double>();
   Vec<double, 3> out;
   out << scene.points.camera.project(p_cam).uv - uv, 1 / p_cam.z() - double(landmark.current.depth.get().value);
   return out;
@@ -86,8 +86,8 @@ TEMPLATE_TEST_CASE("motion_terms (points): rows of pose and readout, whitened by
   Scene<S> scene(1, 0.2);  // one landmark: the system is its rows
   REQUIRE(scene.store.landmarks().size() == 1);
   auto& landmark = scene.store.landmarks()[0];
-  landmark.geometry.bearing_slope.set(Vec<S, 3>(S(0.2), S(-0.3), S(0.1)));
-  landmark.current.uv_slope.set(Vec<float, 2>(40, -25));
+  landmark.geometry.slope.set({Vec<S, 3>(S(0.2), S(-0.3), S(0.1)), Vec<S, 3>(S(0.1), S(0.2), 0), S(0.5)});
+  landmark.current.slope.set({Vec<float, 2>(40, -25), Vec<float, 2>(-8, 12), 0.5f});
   landmark.current.L << 2.0f, 0.7f, 0.0f, 0.5f;
   const bool has_depth = GENERATE(true, false);
   const InverseDepth<S> depth = landmark.current.depth.get();

@@ -28,7 +28,7 @@ using MonoKind = PointKind<Rig<Mono<Pinhole<S>, 64 * 64>>>;
 
 // Of a rig with a global shutter no slopes.
 static_assert(sizeof(MonoKind<float>::Geometry) == 5 * sizeof(float));
-static_assert(sizeof(RgbdKind<float>::Geometry) == 8 * sizeof(float));
+static_assert(sizeof(RgbdKind<float>::Geometry) == 12 * sizeof(float));
 static_assert(sizeof(MonoKind<double>::InWorld) < sizeof(RgbdKind<double>::InWorld));
 static_assert(MonoKind<float>::rows_per_view == 2 && RgbdKind<float>::rows_per_view == 3);
 static_assert(MonoKind<float>::Motion::dim == 6 && RgbdKind<float>::Motion::dim == 7);
@@ -210,7 +210,7 @@ TEMPLATE_TEST_CASE("point_kind: geometry", "", RgbdKind<float>, RgbdKind<double>
   REQUIRE((Kind::middle(point) - Vec<S, 3>(0, S(4.8), S(6.4))).norm() < S(1e-5));
   REQUIRE(point.sigma_inverse_range == Approx(0.05));
 
-  point.bearing_slope.set(Vec<S, 3>(2, 0, 0));
+  point.slope.set({Vec<S, 3>(2, 0, 0)});
   Kind::change_readout(point, {}, S(0.01));
   REQUIRE(point.bearing.norm() == Approx(1));
   REQUIRE(point.bearing.x() == Approx(Kind::Sensors::rolls ? 0.02 : 0.0).margin(1e-5));

@@ -51,15 +51,20 @@ TEMPLATE_TEST_CASE("point_observation: a longer readout moves the pixel along it
   using S = TestType;
   Seen<S, true, true> rolling;
   rolling.pixel = rolling.uv = Vec<float, 2>(100, 50);
-  rolling.uv_slope.set(Vec<float, 2>(40, -20));
+  rolling.slope.set({Vec<float, 2>(30, -20), Vec<float, 2>(20, 0), 0.5f});
   rolling.change_readout(S(0.01));
   REQUIRE((rolling.uv - Vec<float, 2>(100.4f, 49.8f)).norm() < 1e-4f);
   REQUIRE(rolling.place() == Vec<float, 2>(100, 50));
+  rolling.rescale(S(2));
+  rolling.set_inverse_range(S(0.5), S(0.02));  // twice as near
+  REQUIRE((rolling.uv - Vec<float, 2>(100.6f, 49.8f)).norm() < 1e-4f);
+  REQUIRE(rolling.slope.get().by_readout() == Vec<float, 2>(50, -20));
 
   Seen<S, true, false> still;
   still.uv = Vec<float, 2>(100, 50);
-  still.uv_slope.set(Vec<float, 2>(40, -20));
+  still.slope.set({Vec<float, 2>(40, -20), Vec<float, 2>(20, 0), 0.5f});
   still.change_readout(S(0.01));
+  still.set_inverse_range(S(1), S(0.02));
   REQUIRE(still.uv == Vec<float, 2>(100, 50));
 }
 

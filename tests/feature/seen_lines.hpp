@@ -47,12 +47,12 @@ Observation observe_segment(const Pinhole<double>& camera, const Vec<double, 3>&
   out.segment = {start.cast<float>(), end.cast<float>(), 20};
   const Vec<double, 2> inverse_depth(1 / p.z() + off_z[0], 1 / q.z() + off_z[1]);
   out.set_depth(inverse_depth.cast<S>(), depth_covariance().cast<S>());
-  Mat<S, 3, 2> slope;
-  for (int i = 0; i < 2; ++i) {
+  typename Observation::Slopes slopes;
+  for (std::size_t i = 0; i < 2; ++i) {
     const Vec<double, 3>& bearing = i == 0 ? pixels.bearing_start : pixels.bearing_end;
-    slope.col(i) = (0.3 * Vec<double, 3>(0.2, -0.5, 0.4).cross(bearing)).template cast<S>() * S(i + 1);
+    slopes[i].by_turn = (0.3 * Vec<double, 3>(0.2, -0.5, 0.4).cross(bearing)).template cast<S>() * S(i + 1);
   }
-  out.bearing_slope.set(slope);
+  out.slopes.set(slopes);
   return out;
 }
 

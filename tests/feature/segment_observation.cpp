@@ -120,7 +120,7 @@ TEMPLATE_TEST_CASE("segment_observation: bearings and rays turn with the readout
     auto after = before;
     after.change_readout(step);
     const auto &x = before.pixels.measured, &y = after.pixels.measured;
-    const Mat<S, 3, 2>& slope = before.bearing_slope.get();
+    const Mat<S, 3, 2> slope = before.by_readout();
     REQUIRE((y.bearing_start - x.bearing_start - step * slope.col(0)).norm() < S(2e-6));
     REQUIRE((y.bearing_end - x.bearing_end - step * slope.col(1)).norm() < S(2e-6));
     REQUIRE(y.bearing_start.norm() == Approx(1));

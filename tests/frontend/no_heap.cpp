@@ -62,7 +62,7 @@ TEST_CASE("no heap: see, follow, agree, estimate, refine, locate, record, linear
                                  room.frames[std::size_t(i)].depth.view()};
       if (!images->see(frame)) return;
       View<Sensors> view = images->view(rig, frame, SE3<float>(), {0.01f, 0.0f}, 0.05f);
-      view.shutter.set_angular_rate(Vec<float, 3>(0.1f, 0.2f, -0.1f));
+      view.shutter.set_motion(Vec<float, 3>(0.1f, 0.2f, -0.1f), Vec<float, 3>(0.3f, 0.0f, 0.1f), 0.5f);
       SE3<float> T = T_true;
       if (i > 0) {
         images->align_motion(view, SE3<float>(), 2.0f);
@@ -99,7 +99,10 @@ TEST_CASE("no heap: see, follow, agree, estimate, refine, locate, record, linear
       lines->step(landmarks->get<1>());
       points->finish(rig, landmarks->get<0>(), *window, *views, *pairs);
       lines->finish(rig, landmarks->get<1>(), *window, *views, *pairs);
-      landmarks->for_each([](auto& store) { store.change_readout(1e-4f); });
+      landmarks->for_each([&](auto& store) {
+        store.change_readout(1e-4f);
+        set_ranges(store, *window, T, SE3<float>(), 0.01f, /*all=*/true);
+      });
     }
     tracked = front_ends->lasting_count(*landmarks);
   });

@@ -45,7 +45,7 @@ struct Life {
   FrameWindow<S, VisualLayout, 3> window;
   int latest = 0;
   Readout<S> readout{};
-  Vec<S, 3> angular_rate = Vec<S, 3>::Zero();
+  Vec<S, 3> angular_rate = Vec<S, 3>::Zero(), velocity = Vec<S, 3>::Zero();
 
   explicit Life(const PointFlowOptions& options = {}) : flow(std::make_unique<FrontEnd>(options)) {
     const Pinhole<double>& camera = room().camera;
@@ -66,7 +66,7 @@ struct Life {
         T(std::max(i - 1, 0)),
         SE3<S>(),
         {rig.vision.camera, rig.vision.height, readout.value_s}};
-    out.shutter.set_angular_rate(angular_rate);
+    out.shutter.set_motion(angular_rate, velocity, S(0.5));
     return out;
   }
   void show(int i) {
@@ -246,12 +246,14 @@ TEMPLATE_TEST_CASE("point_flow: a readout found out later gives what it would ha
   known.readout.value_s = readout;
   for (auto* life : {&late, &known}) {
     life->angular_rate << S(0.3), S(-0.5), S(0.2);
+    life->velocity << S(0.4), S(-0.2), S(0.3);
     life->begin();
   }
   auto& landmarks = late.store->landmarks();
   REQUIRE(landmarks.size() == known.store->landmarks().size());
   double moved = 0;
-  for (const auto& landmark : landmarks) moved += double(landmark.current.uv_slope.get().norm()) * double(readout);
+  for (const auto& landmark : landmarks)
+    moved += double(landmark.current.slope.get().by_readout().norm()) * double(readout);
   REQUIRE(moved > 0.3 * double(landmarks.size()));  // [px]
   late.store->change_readout(readout);
   for (std::size_t i = 0; i < landmarks.size(); ++i) {

@@ -25,9 +25,9 @@ struct Scene {
     REQUIRE(pyramid->build({pixels.data(), 320, 240, 320}));
   }
   bool see(const Vec<S, 3>& p, const Vec<S, 3>& q, LineSegment& out, S readout_s = 0,
-           const Vec<S, 3>& rate = Vec<S, 3>::Zero()) const {
+           const Vec<S, 3>& rate = Vec<S, 3>::Zero(), const Vec<S, 3>& velocity = Vec<S, 3>::Zero()) const {
     View<Sensors> view{0, S(0), rig, *pyramid, *pyramid, {}, {}, {}, {rig.vision.camera, 240, readout_s}};
-    view.shutter.set_angular_rate(rate);
+    view.shutter.set_motion(rate, velocity, 0);
     return visible_segment(view, p, q, out);
   }
 };
@@ -59,14 +59,18 @@ TEST_CASE("visible_segment: a distorted image, read row by row") {
   const Pinhole<double, RadTan> camera{200, 200, 159.5, 119.5, {-0.28, 0.07, 0, 0}};
   const Scene<Pinhole<double, RadTan>, Rolling> scene(camera);
   LineSegment out;
-  const V p(-0.7, 0.4, 2), q(0.6, 0.5, 2), rate(0, 1, 0);
+  const V p(-0.7, 0.4, 2), q(0.6, 0.5, 2), rate(0, 1, 0), velocity(2, 0, 0);
   REQUIRE(scene.see(p, q, out));
   REQUIRE((out.start - camera.project(p).uv.cast<float>()).norm() < 1e-3f);
   REQUIRE(scene.see(p, q, out, 0.02, rate));
   RollingShutter<Pinhole<double, RadTan>> shutter(camera, 240, 0.02);
-  shutter.set_angular_rate(rate);
-  REQUIRE((out.start - shutter.seen(camera.project(p).uv).cast<float>()).norm() < 1e-3f);
+  shutter.set_motion(rate, V::Zero(), 0);
+  REQUIRE((out.start - shutter.seen(camera.project(p).uv, 0).cast<float>()).norm() < 1e-3f);
   REQUIRE((out.start - camera.project(p).uv.cast<float>()).norm() > 0.5f);
+  shutter.set_motion(rate, velocity, 0);
+  REQUIRE(scene.see(p, q, out, 0.02, rate, velocity));
+  REQUIRE((out.start - shutter.seen(camera.project(p).uv, 1 / p.norm()).cast<float>()).norm() < 1e-3f);
+  REQUIRE((out.start - shutter.seen(camera.project(p).uv, 0).cast<float>()).norm() > 0.2f);
 
   const Scene<Pinhole<double, RadTan>, Global> global(camera);  // all rows at once, whatever it is told
   REQUIRE(global.see(p, q, out, 0.02, rate));

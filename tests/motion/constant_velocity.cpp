@@ -50,6 +50,8 @@ TEMPLATE_TEST_CASE("constant_velocity: goes on as before, however long the next 
     CHECK(double((d - S(dt) * moving.velocity).norm()) < Moving<S>::tolerance);
     CHECK(double((moving.motion.angular_rate() - moving.velocity.template head<3>()).norm()) <
           100 * Moving<S>::tolerance);
+    CHECK(double((moving.motion.velocity(moving.latest) - moving.velocity.template tail<3>()).norm()) <
+          100 * Moving<S>::tolerance);
   }
 }
 

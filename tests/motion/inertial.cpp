@@ -121,6 +121,8 @@ TEMPLATE_TEST_CASE("inertial: a metric state is predicted by the readings, with 
     const auto predicted = drive.predict();
     CHECK(drive.error(predicted.state) < Drive<S>::tolerance);
     CHECK(double((drive.motion->angular_rate() - Vec<S, 3>(0, 0, S(rate_z))).norm()) < 1e-4);
+    const Vec<S, 3> v_world = predicted.state.T_world_body.rotation() * drive.motion->velocity(predicted.state);
+    CHECK(double((v_world - predicted.state.v_world_body).norm()) < 1e-5);
     REQUIRE(predicted.prior.valid);
     const InertialOptions options;
     const auto& covariance = drive.motion->imu().since_frame().increment().covariance;

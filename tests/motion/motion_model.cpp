@@ -31,6 +31,7 @@ struct Guess {
   using State = PoseState<S>;
   void begin_frame(TimeNs, const State*, S) {}
   Vec<S, 3> angular_rate() const { return Vec<S, 3>::Zero(); }
+  Vec<S, 3> velocity(const State&) const { return Vec<S, 3>::Zero(); }
   bool carries_on() const { return false; }
   State restart(const State& x) { return x; }
   void lose() {}

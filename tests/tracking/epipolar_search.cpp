@@ -25,7 +25,7 @@ namespace {
 
 constexpr int width = 320, height = 240;
 using Pyr = Pyramid<4, width * height>;
-constexpr auto as_it_is = [](const auto& uv) { return uv; };
+constexpr auto as_it_is = [](const auto& uv, auto) { return uv; };
 
 /// Two images 0.4 s apart, 0.1 m, and the corners of the first with what is true of them.
 template <class Camera>
@@ -150,9 +150,11 @@ TEST_CASE("epipolar search: where the image shows it elsewhere than the middle o
     auto corner = room.corners[i];
     const InverseRangeInterval<double> lambda = wide(corner.inverse_range, i);
     const auto match = room.search(corner, lambda);
-    const auto told = room.search(corner, lambda, [](const auto& uv) { return Vec<double, 2>(uv.x() + 0.0, uv.y()); });
+    const auto told =
+        room.search(corner, lambda, [](const auto& uv, double) { return Vec<double, 2>(uv.x() + 0.0, uv.y()); });
     CHECK(match.aligned.valid == told.aligned.valid);
-    const auto off = room.search(corner, lambda, [](const auto& uv) { return Vec<double, 2>(uv.x(), uv.y() + 40); });
+    const auto off =
+        room.search(corner, lambda, [](const auto& uv, double) { return Vec<double, 2>(uv.x(), uv.y() + 40); });
     both += match.aligned.valid && off.aligned.valid && (match.aligned.uv - off.aligned.uv).norm() < 1;
   }
   CHECK(both < int(room.corners.size()) / 10);

@@ -13,6 +13,7 @@
 #include "plumbline/estimator/estimate.hpp"
 #include "plumbline/estimator/options.hpp"
 #include "plumbline/feature/motion_estimate.hpp"
+#include "plumbline/feature/row_ranges.hpp"
 #include "plumbline/frontend/image_pair.hpp"
 #include "plumbline/state/origin.hpp"
 #include "plumbline/state/rig_state.hpp"
@@ -78,15 +79,15 @@ class Odometry {
     estimate.T_body_cam = rig_state.T_body_cam();
     motion.begin_frame(frame.t_ns, is_first ? nullptr : &latest, dt);
     auto view = images.view(rig, frame, motion.T_body_cam(estimate.T_body_cam), rig_state.readout(), dt);
-    turn_shutter(view);
+    move_shutter(view, latest);
     return view;
   }
 
-  /// Where the frame is expected; its shutter turns as the body does.
+  /// Where the frame is expected; its shutter moves as the body does.
   Predicted predict(View<Sensors>& view) {
     const auto align_motion = [&](const SE3<S>& guess) { return images.align_motion(view, guess, mean_depth()); };
     const Predicted predicted = motion.predict(window().latest(), view, S(blind_s(view.t_ns)), align_motion);
-    turn_shutter(view);
+    move_shutter(view, predicted.state);
     return predicted;
   }
 
@@ -112,11 +113,17 @@ class Odometry {
     if (lacks != HealthReason::none) return lacks;
     if (motion.contradicts(predicted, T)) return HealthReason::imu_disagrees;
     find_readout(view, T);
+    set_ranges(view, T, /*all=*/false);
     return HealthReason::none;
   }
 
-  void turn_shutter(View<Sensors>& view) const {
-    view.shutter.set_angular_rate(view.T_body_cam.rotation().inverse() * motion.angular_rate());
+  void move_shutter(View<Sensors>& view, const State& x) const {
+    if constexpr (Sensors::rolls) {
+      const SO3<S> R_cam_body = view.T_body_cam.rotation().inverse();
+      const Vec<S, 3>& w = motion.angular_rate();
+      const Vec<S, 3> v_cam = motion.velocity(x) + Vec<S, 3>(w.cross(view.T_body_cam.p()));
+      view.shutter.set_motion(R_cam_body * w, R_cam_body * v_cam, S(1) / mean_depth());
+    }
   }
 
   /// A frame that nothing ties to others: its pose is that of its features; a keyframe is solved for with the window.
@@ -139,6 +146,7 @@ class Odometry {
   void make_keyframe(const View<Sensors>& view) {
     const int slot = backend.insert(view.t_ns, window().latest(), motion.link(keyframe_));
     front_ends.detect(view, window(), landmarks, slot);
+    set_ranges(view, window().T_world_body(slot), /*all=*/true);
     backend.optimize(rig, view.T_body_cam, landmarks);
     window().set_latest(slot);
     adopt_keyframe(view, slot);
@@ -162,6 +170,7 @@ class Odometry {
     else
       landmarks.for_each([&](auto& store) { store.record(temporary_); });
     if (stands_) return window().set_latest(temporary_);
+    if (keyframe) set_ranges(view, window().T_world_body(temporary_), /*all=*/true);
     backend.optimize(rig, view.T_body_cam, landmarks, keyframe);
     window().set_latest(temporary_);
     if (State solved = window().latest(); motion.revise(before, solved, view.dt)) window().set_latest(solved);
@@ -283,6 +292,15 @@ class Odometry {
       pose_.accumulate(rig, BodyView<S>(T, view.T_body_cam), landmarks, system);
       const S change_s = rig_state.update_readout(system, view.dt);
       landmarks.for_each([&](auto& store) { store.change_readout(change_s); });
+    }
+  }
+  /// The latest frame's rows, by how far the landmarks are from where it is now; with `all` those of the window, too.
+  void set_ranges(const View<Sensors>& view, const SE3<S>& T_world_body, bool all) {
+    if constexpr (Sensors::rolls) {
+      const S readout_s = rig_state.readout().value_s;
+      landmarks.for_each([&](auto& store) {
+        plumbline::set_ranges(store, window(), T_world_body, view.T_body_cam, readout_s, all);
+      });
     }
   }
 

@@ -5,7 +5,7 @@
 ///
 /// The functions of a kind are static and work on one landmark at a time. Their semantics:
 ///   Geometry     of a landmark in the camera of its anchor; `step` moves it by an increment of `dim` numbers
-///   Observation  where one frame saw it: `valid`; `place()` in the image; `scale_sigma`, `change_readout`
+///   Observation  where one frame saw it: `valid`; `place()` in the image; `scale_sigma`, `change_readout`, `rescale`
 ///   Appearance   by which it is recognized
 ///   InAnchor     what the costs of one landmark share, made once for them of its geometry
 ///   Linearized   what its rows share
@@ -15,6 +15,7 @@
 #include <concepts>
 
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/lie/se3.hpp"
 
 namespace plumbline {
 
@@ -32,13 +33,15 @@ concept KindOfLandmark = std::floating_point<typename K::Scalar> && requires {
 /// Lengths, motions and what becomes of a landmark.
 template <class K>
 concept HasGeometry = requires(typename K::Geometry& geometry, const typename K::Observation& seen,
-                               typename K::Scalar s) {
+                               typename K::Observation& observation, typename K::Scalar s) {
   { K::middle(geometry) } -> std::convertible_to<Vec<typename K::Scalar, 3>>;  // in the anchor's camera [m]
   { K::inverse_range(geometry) } -> std::convertible_to<typename K::Scalar>;   // [1/m]
   { K::motion_px(seen, seen) } -> std::convertible_to<double>;                 // from one frame to another
   { K::settle(geometry, seen, nullptr) } -> std::same_as<bool>;                // after an optimization
   K::rescale(geometry, s);
   K::change_readout(geometry, seen, s);
+  K::set_range_in_anchor(geometry, observation, s);  // its distance has changed: see row_ranges.hpp
+  K::set_range(geometry, observation, SE3<typename K::Scalar>{}, s);
   K::step(geometry, Vec<typename K::Scalar, K::dim>{});
 };
 

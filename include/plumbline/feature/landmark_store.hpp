@@ -112,7 +112,11 @@ class LandmarkStore {
   }
   /// All lengths become `scale` times what they were.
   void rescale(S scale) {
-    for (Landmark& landmark : landmarks_) Kind::rescale(landmark.geometry, scale);
+    for (Landmark& landmark : landmarks_) {
+      Kind::rescale(landmark.geometry, scale);
+      landmark.current.rescale(scale);
+      for (auto& seen : landmark.observations) seen.rescale(scale);
+    }
   }
 
   /// Adds up how far the landmarks in sight moved since the frame in `slot`, if they moved less than `below` [px].

@@ -59,6 +59,13 @@ struct LineKind {
   static void change_readout(Geometry& line, const Observation& seen_by_anchor, S change_s) {
     line.change(Vec<S, 6>(change_s * slope_of(line, seen_by_anchor)));
   }
+  /// The rows that saw it did so from places of their own: what that means depends on how far away it is.
+  static void set_range_in_anchor(const Geometry& line, Observation& seen, S readout_s) {
+    seen.set_line(line.line.plucker(), readout_s);
+  }
+  static void set_range(const Geometry& line, Observation& seen, const SE3<S>& T_cam_anchor, S readout_s) {
+    seen.set_line(T_cam_anchor * line.line.plucker(), readout_s);
+  }
   /// An edge shows its motion across it alone, which for edges of all directions is 2/pi of the whole on average.
   static double motion_px(const Observation& then, const Observation& now) {
     constexpr double half_pi = 1.5707963267948966;
@@ -164,7 +171,7 @@ struct LineKind {
     if constexpr (Sensors::rolls) {
       const Vec<S, 3> nh = normalized(line_in_camera(view, line.line).n);
       by_readout = lin.J_r_line * line.slope.get();
-      const Mat<S, 3, 2>& slope = line.seen.bearing_slope.get();
+      const Mat<S, 3, 2> slope = line.seen.by_readout();
       for (int i = 0; i < 2; ++i) by_readout[i] += pixels.px_per_rad[i] * dot(nh, column(slope, i));
     }
     return whitened(lin, by_readout, line.seen.pixels.covariance, line);
@@ -188,7 +195,7 @@ struct LineKind {
   /// d(n; v)/d readout in the anchor.
   static Vec<S, 6> slope_of(const Geometry& line, const Observation& seen_by_anchor) {
     if (!seen_by_anchor.valid) return zeros<S, 6>();
-    return line.slope(seen_by_anchor.pixels.measured, seen_by_anchor.bearing_slope.get());
+    return line.slope(seen_by_anchor.pixels.measured, seen_by_anchor.by_readout());
   }
 
  private:

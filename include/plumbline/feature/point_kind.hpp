@@ -46,10 +46,10 @@ struct PointKind {
   static constexpr Loss<S> pixel_loss = loss_for<Loss, S, 2>, depth_loss = loss_for<Loss, S, 1>;
 
   struct Geometry {
-    Vec<S, 3> bearing = Vec<S, 3>(0, 0, 1);                                  ///< unit, anchor camera
-    S inverse_range = S(0);                                                  ///< lambda [1/m]
-    S sigma_inverse_range = S(0);                                            ///< given the poses [1/m]
-    [[no_unique_address]] Present<Vec<S, 3>, Sensors::rolls> bearing_slope;  ///< d bearing / d readout [1/s]
+    Vec<S, 3> bearing = Vec<S, 3>(0, 0, 1);                               ///< unit, anchor camera
+    S inverse_range = S(0);                                               ///< lambda [1/m]
+    S sigma_inverse_range = S(0);                                         ///< given the poses [1/m]
+    [[no_unique_address]] Present<RowSlope<S, 3>, Sensors::rolls> slope;  ///< of the bearing
   };
 
   // -------------------------------------------------------------------------------------------------- geometry
@@ -60,9 +60,23 @@ struct PointKind {
   static void rescale(Geometry& point, S scale) {
     point.inverse_range /= scale;
     point.sigma_inverse_range /= scale;
+    RowSlope<S, 3> slope = point.slope.get();
+    slope.rescale(scale);
+    point.slope.set(slope);
   }
   static void change_readout(Geometry& point, const Observation&, S change_s) {
-    point.bearing = normalized(point.bearing + change_s * point.bearing_slope.get());
+    point.bearing = normalized(point.bearing + change_s * point.slope.get().by_readout());
+  }
+  /// The rows that saw it did so from a place of their own: what that means depends on how far away it is.
+  static void set_range_in_anchor(Geometry& point, Observation& seen, S readout_s) {
+    seen.set_inverse_range(point.inverse_range, readout_s);
+    RowSlope<S, 3> slope = point.slope.get();
+    point.bearing = normalized(point.bearing + slope.set_inverse_range(point.inverse_range, readout_s));
+    point.slope.set(slope);
+  }
+  static void set_range(const Geometry& point, Observation& seen, const SE3<S>& T_cam_anchor, S readout_s) {
+    const S range = norm(T_cam_anchor * middle(point));
+    if (range * lambda_max > S(1)) seen.set_inverse_range(S(1) / range, readout_s);
   }
   static double motion_px(const Observation& then, const Observation& now) { return norm(now.pixel - then.pixel); }
 
@@ -174,7 +188,7 @@ struct PointKind {
                           const SE3<S>& T_world_anchor) {
     const Vec<S, 3> p_cam = middle(point);
     const Vec<S, 3> sigma_cam = p_cam * (point.sigma_inverse_range / point.inverse_range);
-    const Vec<S, 3> slope_cam = point.bearing_slope.get() / point.inverse_range;
+    const Vec<S, 3> slope_cam = point.slope.get().by_readout() / point.inverse_range;
     return {T_world_anchor * p_cam,
             T_world_anchor.rotation() * sigma_cam,
             {T_world_anchor.rotation() * slope_cam},
@@ -196,7 +210,7 @@ struct PointKind {
         for (int i = 0; i < 2; ++i) W(i, c) -= along * j[i];  // (10)
       }
     }
-    const Vec<S, 2> slope = lin.J_r_point * point.slope_world.get() - cast_to<S>(seen.uv_slope.get());
+    const Vec<S, 2> slope = lin.J_r_point * point.slope_world.get() - cast_to<S>(seen.slope.get().by_readout());
     return WhitenedRows<S, 2, Motion>::of(W, lin.r, lin.J_r_pose, slope);
   }
 

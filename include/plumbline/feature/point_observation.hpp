@@ -6,23 +6,36 @@
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/present.hpp"
 #include "plumbline/sensor/depth_sensor.hpp"
+#include "plumbline/sensor/rolling_shutter.hpp"
 
 namespace plumbline {
 
 template <class S, bool has_depth, bool rolls>
 struct PointObservation {
   bool valid = false;
-  Vec<float, 2> pixel = zeros<float, 2>();    ///< in the image [px]
-  Vec<float, 2> uv = zeros<float, 2>();       ///< in the middle of the frame, see RollingShutter [px]
-  Mat<float, 2, 2> L = identity<float, 2>();  ///< L^T L is the information of uv [1/px^2]
-  [[no_unique_address]] Present<Vec<float, 2>, rolls> uv_slope;     ///< d uv / d readout [px/s]
+  Vec<float, 2> pixel = zeros<float, 2>();  ///< in the image [px]
+  Vec<float, 2> uv = zeros<float, 2>();     ///< in the middle of the frame, see RollingShutter [px]
+  [[no_unique_address]] Present<RowSlope<float, 2>, rolls> slope;   ///< of uv
+  Mat<float, 2, 2> L = identity<float, 2>();                        ///< L^T L is the information of uv [1/px^2]
   [[no_unique_address]] Present<InverseDepth<S>, has_depth> depth;  ///< of the pixel, where there is one
 
   const Vec<float, 2>& place() const { return pixel; }
   /// All errors are `scale` times those expected.
   void scale_sigma(S scale) { L = L / float(scale); }
   /// The readout time turned out to be `change_s` longer.
-  void change_readout(S change_s) { uv += float(change_s) * uv_slope.get(); }
+  void change_readout(S change_s) { uv += float(change_s) * slope.get().by_readout(); }
+  /// The point was found to be that far from this frame's camera.
+  void set_inverse_range(S lambda, S readout_s) {
+    RowSlope<float, 2> changed = slope.get();
+    uv += changed.set_inverse_range(float(lambda), float(readout_s));
+    slope.set(changed);
+  }
+  /// All lengths become `scale` times what they were.
+  void rescale(S scale) {
+    RowSlope<float, 2> changed = slope.get();
+    changed.rescale(float(scale));
+    slope.set(changed);
+  }
 };
 
 /// L of  Sigma = sigma_px^2 I + sigma_intensity^2 H^-1,  H the information that an alignment measured.           (11)

@@ -1,11 +1,16 @@
 #pragma once
 /// Where a line was seen in one frame: the segment, its appearance, and the depth beside it.  docs/math/line.md
 
+#include <array>
+#include <cstddef>
+
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/present.hpp"
 #include "plumbline/core/result.hpp"
 #include "plumbline/core/square_root_information.hpp"
+#include "plumbline/geometry/line3.hpp"
 #include "plumbline/residual/line_observation.hpp"
+#include "plumbline/sensor/rolling_shutter.hpp"
 #include "plumbline/tracking/line_profile.hpp"
 #include "plumbline/tracking/line_segment.hpp"
 
@@ -53,11 +58,12 @@ struct SeenProfile<false> {};
 template <class S, bool depth_is_measured, bool rolls_, bool has_profile = true>
 struct SegmentObservation : SeenProfile<has_profile> {
   static constexpr bool measures_depth = depth_is_measured, rolls = rolls_;
+  using Slopes = std::array<RowSlope<S, 3>, 2>;  ///< of the bearings of start and end
 
   bool valid = false;
   LineSegment segment;                             ///< in the image
   SegmentMeasurement<LineReprojection<S>> pixels;  ///< in the middle of the frame, see RollingShutter [px]
-  [[no_unique_address]] Present<Mat<S, 3, 2>, rolls> bearing_slope;  ///< d bearing/d readout of start and end [1/s]
+  [[no_unique_address]] Present<Slopes, rolls> slopes;
   [[no_unique_address]] Present<SegmentMeasurement<LineInverseDepth<S>>, depth_is_measured> depth;  ///< [1/m]
 
   const LineSegment& place() const { return segment; }
@@ -77,20 +83,52 @@ struct SegmentObservation : SeenProfile<has_profile> {
     pixels.L = pixels.L / scale;
   }
 
+  /// d bearing/d readout of start and end [1/s].
+  Mat<S, 3, 2> by_readout() const {
+    const Slopes& both = slopes.get();
+    Mat<S, 3, 2> out;
+    out << both[0].by_readout(), both[1].by_readout();
+    return out;
+  }
   /// The readout time turned out to be `change_s` longer.
   void change_readout(S change_s) {
     if (!valid) return;
-    const Mat<S, 3, 2>& slope = bearing_slope.get();
+    const Mat<S, 3, 2> slope = by_readout();
+    turn(change_s * column(slope, 0), change_s * column(slope, 1));
+  }
+  /// The line was found to be this one, in this frame's camera.
+  void set_line(const Plucker<S>& line, S readout_s) {
+    if (!valid) return;
+    const LineReprojection<S>& seen = pixels.measured;
+    Slopes both = slopes.get();
+    const auto change = [&](RowSlope<S, 3>& slope, const Vec<S, 3>& bearing) {
+      if (!line_visible(line, bearing)) return zeros<S, 3>();
+      const S lambda = S(1) / norm(line.point_along(bearing));
+      return lambda > S(0) && lambda < max_inverse_range ? slope.set_inverse_range(lambda, readout_s) : zeros<S, 3>();
+    };
+    const Vec<S, 3> start = change(both[0], seen.bearing_start), end = change(both[1], seen.bearing_end);
+    slopes.set(both);
+    turn(start, end);
+  }
+  /// All lengths become `scale` times what they were.
+  void rescale(S scale) {
+    Slopes both = slopes.get();
+    for (RowSlope<S, 3>& slope : both) slope.rescale(scale);
+    slopes.set(both);
+  }
+
+ private:
+  static constexpr S max_inverse_range = S(20);  ///< [1/m]
+
+  void turn(const Vec<S, 3>& start, const Vec<S, 3>& end) {
     LineReprojection<S>& seen = pixels.measured;
-    seen.bearing_start = normalized(seen.bearing_start + change_s * column(slope, 0));
-    seen.bearing_end = normalized(seen.bearing_end + change_s * column(slope, 1));
+    seen.bearing_start = normalized(seen.bearing_start + start);
+    seen.bearing_end = normalized(seen.bearing_end + end);
     if (!has_depth()) return;
     SegmentMeasurement<LineInverseDepth<S>> moved = depth.get();
     moved.measured = rays_with(seen, moved.measured.inverse_depth_measured);
     depth.set(moved);
   }
-
- private:
   static LineInverseDepth<S> rays_with(const LineReprojection<S>& seen, const Vec<S, 2>& inverse_depth) {
     return {seen.bearing_start / seen.bearing_start.z(), seen.bearing_end / seen.bearing_end.z(), inverse_depth};
   }

@@ -43,8 +43,8 @@ class DirectLines {
 
   explicit DirectLines(const Options& options) : options_(options), edges_(options) {}
 
-  /// Gives take(sample) of patches along every located landmark that the previous image shows: where a ray between those
-  /// of its ends meets the line.
+  /// Gives take(sample) of patches along every located landmark that the previous image shows: where a ray between
+  /// those of its ends meets the line.
   void for_each_alignment_sample(const View<Sensors>& view, const auto& window, const Store& store,
                                  const SE3<S>& T_world_predicted, auto&& take) const {
     const SE3<S> T_cam_previous =
@@ -63,12 +63,13 @@ class DirectLines {
         const Vec<S, 3> ray = normalized(seen.bearing_start + along * (seen.bearing_end - seen.bearing_start));
         const Projection<S> before = view.camera().project(ray);
         if (!before.valid) continue;
-        const Vec<float, 2> pixel = cast_to<float>(view.shutter.seen(before.uv));
         const Vec<S, 3> p = line.point_along(ray);
         if (!(p.z() > min_depth) || !(norm(p) < max_range)) continue;
-        const Projection<S> predicted = view.camera().project(T_cam_previous * p);
+        const Vec<float, 2> pixel = cast_to<float>(view.shutter.seen(before.uv, S(1) / norm(p)));
+        const Vec<S, 3> p_cam = T_cam_previous * p;
+        const Projection<S> predicted = view.camera().project(p_cam);
         if (!predicted.valid) continue;
-        const Vec<S, 2> shift = view.shutter.seen(predicted.uv) - predicted.uv;
+        const Vec<S, 2> shift = view.shutter.seen(predicted.uv, S(1) / norm(p_cam)) - predicted.uv;
         take(AlignmentSample<S>{pixel, cast_to<float>(shift), view.T_body_cam * p, weight});
       }
     }

@@ -58,9 +58,10 @@ class DirectPoints {
       const Vec<S, 3> at = p_world(landmark, window, view.T_body_cam);
       const S range = norm(T_previous_world * at);
       const Unprojection<S> ray = view.camera().unproject(cast_to<S>(landmark.current.uv));
-      const Projection<S> predicted = view.camera().project(T_cam_world * at);
+      const Vec<S, 3> p_cam = T_cam_world * at;
+      const Projection<S> predicted = view.camera().project(p_cam);
       if (!ray.valid || !predicted.valid) continue;
-      const Vec<S, 2> shift = view.shutter.seen(predicted.uv) - predicted.uv;
+      const Vec<S, 2> shift = view.shutter.seen(predicted.uv, S(1) / norm(p_cam)) - predicted.uv;
       take(AlignmentSample<S>{landmark.current.pixel, cast_to<float>(shift),
                               view.T_body_cam * Vec<S, 3>(range * ray.bearing), 1});
     }
@@ -165,9 +166,10 @@ class DirectPoints {
   /// Where the current image shows a landmark; false when it does not.
   static bool predict(const View<Sensors>& view, const auto& window, const Landmark& landmark,
                       const SE3<S>& T_cam_world, Vec<float, 2>& seen) {
-    const Projection<S> predicted = view.camera().project(T_cam_world * p_world(landmark, window, view.T_body_cam));
+    const Vec<S, 3> p_cam = T_cam_world * p_world(landmark, window, view.T_body_cam);
+    const Projection<S> predicted = view.camera().project(p_cam);
     if (!predicted.valid) return false;
-    seen = cast_to<float>(view.shutter.seen(predicted.uv));
+    seen = cast_to<float>(view.shutter.seen(predicted.uv, S(1) / norm(p_cam)));
     return view.current.level(0).contains(seen.x(), seen.y(), border_px);
   }
 
@@ -206,7 +208,7 @@ class DirectPoints {
   /// each leaves open.
   void search_new(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_cam_world) {
     constexpr S sigmas = S(2), least = S(1e-3);
-    const auto seen = [&](const Vec<S, 2>& uv) { return view.shutter.seen(uv); };
+    const auto seen = [&](const Vec<S, 2>& uv, S inverse_range) { return view.shutter.seen(uv, inverse_range); };
     int searches = 0;
     for (Landmark& landmark : store.landmarks()) {
       if (searches >= options_.max_new_searches) break;

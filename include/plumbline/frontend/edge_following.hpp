@@ -71,9 +71,14 @@ class EdgeFollowing {
       landmark.current.valid = false;
       LineSegment guess;
       const LineReprojection<S>& before = landmark.previous.pixels.measured;
+      const auto slopes = landmark.previous.slopes.get();
+      const auto ray = [&](const Vec<S, 3>& bearing, std::size_t end) {  // as far away as it is thought to be
+        const S lambda = slopes[end].inverse_range;
+        return lambda > S(0) ? Vec<S, 3>(bearing / lambda) : bearing;
+      };
       const bool visible = landmark.located ? predicted_segment(view, window, landmark, T_cam_world, guess)
-                                            : visible_segment(view, Vec<S, 3>(R_cam_previous * before.bearing_start),
-                                                              Vec<S, 3>(R_cam_previous * before.bearing_end), guess);
+                                            : visible_segment(view, R_cam_previous * ray(before.bearing_start, 0),
+                                                              R_cam_previous * ray(before.bearing_end, 1), guess);
       if (visible) {
         const bool near_first = options_.search_first_px < options_.tracking.search_px;
         if (near_first) look_for(view, landmark, guess, within(options_.search_first_px));

@@ -97,9 +97,10 @@ class PointFlow {
       const bool tracked = landmark.current.valid;
       if (!tracked && searches >= options_.max_searches) continue;
       const SE3<S> T_cam_anchor = T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam);
-      const Projection<S> predicted = view.camera().project(T_cam_anchor * Kind::middle(landmark.geometry));
+      const Vec<S, 3> p_cam = T_cam_anchor * Kind::middle(landmark.geometry);
+      const Projection<S> predicted = view.camera().project(p_cam);
       if (!predicted.valid) continue;
-      const Vec<S, 2> seen = view.shutter.seen(predicted.uv);
+      const Vec<S, 2> seen = view.shutter.seen(predicted.uv, S(1) / norm(p_cam));
       if (!inside(view, seen, border_px)) continue;
       if (!tracked) ++searches;
       const auto& point = landmark.geometry;
@@ -165,7 +166,7 @@ class PointFlow {
       if (!ray.valid || !landmark.appearance.capture(view.current, corner.uv)) continue;
       auto& point = landmark.geometry;
       point.bearing = ray.bearing;
-      point.bearing_slope.set(view.shutter.bearing_slope(corner.uv.template cast<S>(), ray.bearing));
+      point.slope.set(view.shutter.bearing_slope(corner.uv.template cast<S>(), ray.bearing, S(0)));
       if (const InverseDepth<S>& depth = landmark.current.depth.get(); depth.valid) {
         landmark.located = true;
         point.inverse_range = depth.value * ray.bearing.z();
@@ -191,15 +192,17 @@ class PointFlow {
   static Vec<float, 2> expected(const View<Sensors>& view, const auto& window, const Landmark& landmark,
                                 const SE3<S>& T_cam_world) {
     Vec<S, 3> p_cam;
+    S inverse_range = S(landmark.current.slope.get().inverse_range);
     if (landmark.located) {
       p_cam = T_cam_world * p_world(landmark, window, view.T_body_cam);
+      inverse_range = S(1) / norm(p_cam);
     } else {
       const SO3<S> R_cam_previous = T_cam_world.rotation() * (view.T_world_previous * view.T_body_cam).rotation();
       p_cam = R_cam_previous * view.camera().unproject(landmark.current.uv.template cast<S>()).bearing;
     }
     const Projection<S> predicted = view.camera().project(p_cam);
     if (!predicted.valid) return landmark.current.pixel;
-    const Vec<S, 2> seen = view.shutter.seen(predicted.uv);
+    const Vec<S, 2> seen = view.shutter.seen(predicted.uv, inverse_range);
     return inside(view, seen, 0) ? Vec<float, 2>(seen.template cast<float>()) : landmark.current.pixel;
   }
 
@@ -212,10 +215,12 @@ class PointFlow {
       return;
     }
     landmark.misses = 0;
-    const StillPixel<S> still = view.shutter.still(pixel.template cast<S>());
+    // As far away as a frame ago: that is near enough for the shutter.
+    const StillPixel<S> still = view.shutter.still(pixel.template cast<S>(), S(seen.slope.get().inverse_range));
     seen.pixel = pixel;
     seen.uv = still.uv.template cast<float>();
-    seen.uv_slope.set(still.uv_slope.template cast<float>());
+    seen.slope.set(
+        {cast_to<float>(still.slope.by_turn), cast_to<float>(still.slope.by_shift), float(still.slope.inverse_range)});
     seen.L = identity<float, 2>() / float(options_.sigma_flow_px);
     if constexpr (Sensors::has_depth) seen.depth.set(view.rig.vision.depth.at(view.depth, pixel));
   }

@@ -17,7 +17,10 @@ void measure_segment(const View<Sensors>& view, const LineSegment& segment, cons
   using S = typename Sensors::Scalar;
   out.valid = false;
   const Vec<S, 2> start = cast_to<S>(segment.start), end = cast_to<S>(segment.end);
-  const LineObservation<S> seen = observe_line(view.camera(), view.shutter.still(start).uv, view.shutter.still(end).uv);
+  // Where it was a frame ago: there it is now, as far as the shutter minds.
+  const typename Observation::Slopes before = out.slopes.get();
+  const LineObservation<S> seen = observe_line(view.camera(), view.shutter.still(start, before[0].inverse_range).uv,
+                                               view.shutter.still(end, before[1].inverse_range).uv);
   if (!seen.valid) return;
   const SegmentMeasurement<LineReprojection<S>> pixels(seen.reprojection, cast_to<S>(covariance));
   out.valid = pixels.valid;
@@ -25,10 +28,8 @@ void measure_segment(const View<Sensors>& view, const LineSegment& segment, cons
   out.pixels = pixels;
   out.segment = segment;
   if constexpr (Sensors::rolls) {
-    Mat<S, 3, 2> slope;
-    slope << view.shutter.bearing_slope(start, seen.reprojection.bearing_start),
-        view.shutter.bearing_slope(end, seen.reprojection.bearing_end);
-    out.bearing_slope.set(slope);
+    out.slopes.set({view.shutter.bearing_slope(start, seen.reprojection.bearing_start, before[0].inverse_range),
+                    view.shutter.bearing_slope(end, seen.reprojection.bearing_end, before[1].inverse_range)});
   }
 }
 

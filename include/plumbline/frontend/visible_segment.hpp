@@ -7,8 +7,8 @@
 
 namespace plumbline {
 
-/// The segment from p to q (coordinates of the middle of the frame's camera, any scale) in the image; false when
-/// nothing of it is inside. Cut at a sixteenth of its length, which is right for every camera and behind it.
+/// The segment from p to q [m] (coordinates of the middle of the frame's camera) in the image; false when nothing of it
+/// is inside. Cut at a sixteenth of its length, which is right for every camera and behind it.
 template <SensorRig Sensors>
 bool visible_segment(const View<Sensors>& view, const Vec<typename Sensors::Scalar, 3>& p,
                      const Vec<typename Sensors::Scalar, 3>& q, LineSegment& out) {
@@ -19,7 +19,7 @@ bool visible_segment(const View<Sensors>& view, const Vec<typename Sensors::Scal
     const Vec<S, 3> at = p + (S(k) / S(parts)) * (q - p);
     const Projection<S> projection = view.camera().project(at);
     if (!projection.valid) return false;
-    uv = cast_to<float>(view.shutter.seen(projection.uv));
+    uv = cast_to<float>(view.shutter.seen(projection.uv, S(1) / norm(at)));
     return view.current.level(0).contains(uv.x(), uv.y(), border_px);
   };
   int first = 0, last = parts;

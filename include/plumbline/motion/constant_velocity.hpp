@@ -56,10 +56,11 @@ class ConstantVelocity {
     SE3<S> T = latest.T_world_body;
     if (view.dt < S(options_.max_prediction_s)) T = plus(T, Vec<S, 6>(velocity_ * view.dt));
     T = turned_as_seen(T, view, align_motion);
-    angular_rate_ = segment<3>(minus(T, latest.T_world_body), 0) / view.dt;
+    expected_ = minus(T, latest.T_world_body) / view.dt;
     return {{T}, {}};
   }
-  const Vec<S, 3>& angular_rate() const { return angular_rate_; }
+  Vec<S, 3> angular_rate() const { return segment<3>(expected_, 0); }
+  Vec<S, 3> velocity(const State&) const { return segment<3>(expected_, 3); }
 
   static constexpr bool contradicts(const Prediction<State, S>& /*predicted*/, const SE3<S>& /*T*/) { return false; }
   static constexpr bool admits(const Prediction<State, S>& /*predicted*/, const SE3<S>& /*T*/) { return true; }
@@ -88,8 +89,7 @@ class ConstantVelocity {
 
  private:
   Options options_;
-  Vec<S, 6> velocity_ = zeros<S, 6>();  ///< [rad/s, m/s], body
-  Vec<S, 3> angular_rate_ = zeros<S, 3>();
+  Vec<S, 6> velocity_ = zeros<S, 6>(), expected_ = zeros<S, 6>();  ///< [rad/s, m/s], body
 };
 
 }  // namespace plumbline

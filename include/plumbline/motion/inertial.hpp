@@ -231,6 +231,7 @@ class Inertial {
   State state_at_rest() const { return plumbline::state_at_rest<S>(rest_, options_.gravity); }
 
   const Vec<S, 3>& angular_rate() const { return angular_rate_; }
+  static Vec<S, 3> velocity(const State& x) { return x.T_world_body.rotation().inverse() * x.v_world_body; }
 
  private:
   /// How the body turns now, by the last readings, as a hand turns otherwise a frame ago [rad/s].

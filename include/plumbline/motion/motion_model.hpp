@@ -48,6 +48,7 @@ template <class M>
 concept Predicts = requires(M& motion, const M& known, const typename M::State& x, typename M::S dt) {
   motion.begin_frame(TimeNs{}, &x, dt);
   { known.angular_rate() } -> std::convertible_to<Vec<typename M::S, 3>>;  // of the body in this frame [rad/s]
+  { known.velocity(x) } -> std::convertible_to<Vec<typename M::S, 3>>;     // there, in the body's own axes [m/s]
   { known.carries_on() } -> std::convertible_to<bool>;
   { motion.restart(x) } -> std::same_as<typename M::State>;
   motion.lose();

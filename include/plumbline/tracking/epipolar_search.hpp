@@ -93,8 +93,8 @@ const typename Places::value_type* clearly_best(const Places& places, float vari
 }
 
 /// `reference` was taken where `camera` sees `bearing_ref`; T_cur_ref maps coordinates of that camera into the current
-/// one. `seen` maps a pixel of the middle of the current frame to where the image shows it: the identity but for
-/// rolling shutters.
+/// one. `seen(uv, lambda)` maps a pixel of the middle of the current frame, in that inverse range, to where the image
+/// shows it: the identity but for rolling shutters.
 template <CameraModel Camera, class Pyr, class S = typename Camera::Scalar>
 EpipolarMatch<S> search_epipolar_curve(const Camera& camera, const ReferencePatch& reference,
                                        const Vec<typename Camera::Scalar, 3>& bearing_ref,
@@ -123,7 +123,8 @@ EpipolarMatch<S> search_epipolar_curve(const Camera& camera, const ReferencePatc
   FixedVector<EpipolarPlace<S>, max_steps + 1> places;
   const ImageView<const std::uint8_t>& image = current.level(level);
   const auto look = [&](S at, const Projection<S>& projection) {
-    const Vec<float, 2> uv = to_level(cast_to<float>(seen(projection.uv)), level);
+    const S inverse_range = at / norm(Vec<S, 3>(Rb + at * T_cur_ref.p()));
+    const Vec<float, 2> uv = to_level(cast_to<float>(seen(projection.uv, inverse_range)), level);
     if (patch_inside(image, uv, patch_size)) places.push_back({at, uv, difference.at(image, uv)});
   };
   look(lambda.expected, middle);

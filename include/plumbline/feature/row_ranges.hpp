@@ -1,0 +1,41 @@
+#pragma once
+/// How far the landmarks are from where the rows of a rolling shutter saw them. It decides what the way of the camera
+/// during one readout means for an observation: brought to the middle of the frame before its landmark had a place in
+/// space, or another, it is brought there anew.                                      docs/math/rolling_shutter.md
+
+#include <array>
+#include <cstddef>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/lie/se3.hpp"
+
+namespace plumbline {
+
+/// Of the latest frame, where the body is at T_world_body; with `all` in the frames of the window and in the anchors,
+/// too.
+template <class Store, class S = typename Store::S>
+void set_ranges(Store& store, const auto& window, const SE3<typename Store::S>& T_world_body,
+                const SE3<typename Store::S>& T_body_cam, typename Store::S readout_s, bool all) {
+  using Kind = typename Store::Kind;
+  constexpr std::size_t slots = static_cast<std::size_t>(Store::slots);
+  std::array<SE3<S>, slots> T_world_cam;
+  for (std::size_t k = 0; k < slots; ++k) T_world_cam[k] = window.T_world_body(int(k)) * T_body_cam;
+  const SE3<S> T_cam_world = (T_world_body * T_body_cam).inverse();
+  for (auto& landmark : store.landmarks()) {
+    if (!landmark.located) continue;
+    const std::size_t anchor = static_cast<std::size_t>(landmark.anchor);
+    if (landmark.current.valid)
+      Kind::set_range(landmark.geometry, landmark.current, T_cam_world * T_world_cam[anchor], readout_s);
+    for (std::size_t k = 0; all && k < slots; ++k) {
+      auto& seen = landmark.observations[k];
+      if (!seen.valid || !window[int(k)].used) continue;
+      if (k == anchor) {
+        Kind::set_range_in_anchor(landmark.geometry, seen, readout_s);
+      } else {
+        Kind::set_range(landmark.geometry, seen, T_world_cam[k].inverse() * T_world_cam[anchor], readout_s);
+      }
+    }
+  }
+}
+
+}  // namespace plumbline
