@@ -48,6 +48,23 @@ TEST_CASE("extrinsics_prior: a calibration without a sigma is known") {
   CHECK(prior.cost(Correction::Zero()) == 0);
 }
 
+TEST_CASE("extrinsics_prior: a mount that is held stays where it is, not where it was calibrated to be") {
+  ExtrinsicsPrior prior({});
+  const Correction e = 0.01 * Correction::Ones();
+  const auto step = [&] {
+    const auto equations = std::make_unique<Equations>();
+    equations->reset(2);
+    prior.add_to(e, 1, *equations);
+    return equations->b()[15] / equations->H()(15, 15);
+  };
+  const double free = step(), cost = prior.cost(e);
+  prior.hold(true);
+  CHECK(std::abs(step()) < 1e-5 * std::abs(free));
+  CHECK(prior.cost(e) == cost);
+  prior.hold(false);
+  CHECK(step() == free);
+}
+
 TEST_CASE("extrinsics_prior: what is right within its sigma is believed, what is plainly wrong hardly") {
   const ExtrinsicsOptions options;
   const ExtrinsicsPrior prior(options);

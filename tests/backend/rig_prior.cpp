@@ -1,5 +1,6 @@
 #include "plumbline/backend/rig_prior.hpp"
 
+#include <cmath>
 #include <type_traits>
 
 #include "catch.hpp"
@@ -22,6 +23,52 @@ TEST_CASE("rig_prior: mount and clock are estimated, the clock unless it is know
     const double cost = TimeOffsetPrior(TimeOffsetOptions{}, 0).cost(1e-3);
     CHECK(prior.cost(window) == Approx(known ? 0 : cost));
   }
+}
+
+namespace {
+/// Takes what is known of the mount.
+struct Equations {
+  Mat<double, 6, 6> H;
+  Vec<double, 6> g;
+  void add_block(int, int, const Mat<double, 6, 6>& block) { H = block; }
+  void add_gradient(int, const Vec<double, 6>& gradient) { g = gradient; }
+  void add_extrinsics(const auto& window, const ExtrinsicsPrior& prior) {
+    prior.add_to(window.extrinsics().correction(), 0, *this);
+  }
+  void add_time_offset(const auto&, const TimeOffsetPrior&) {}
+};
+}  // namespace
+
+TEST_CASE("rig_prior: while the clock is found out the mount stays where it is") {
+  FrameWindow<double, InertialLayout, 12> window;
+  RigPrior<InertialLayout> prior({}, {});
+  prior.begin(window, SE3<double>(), {0.02, 0, false});
+  // A frame later the clock is found to be `later_s` late beyond what it was thought to be.
+  const auto is_held = [&](double t_s, double later_s) {
+    window.insert(std::llround(1e9 * t_s), {});
+    Vec<double, 12 * 15 + 7> step = Vec<double, 12 * 15 + 7>::Zero();
+    step[12 * 15 + 6] = later_s;
+    window.move(step);
+    prior.watch(window);
+    Equations equations;
+    prior.add_to(window, equations);
+    return equations.H(0, 0) > 1e9;
+  };
+  CHECK_FALSE(is_held(10.0, 0));
+  CHECK_FALSE(is_held(10.1, 0.002));  // it settles
+  CHECK(is_held(10.2, 0.002));
+  CHECK(is_held(10.3, 0.010));
+  CHECK(is_held(11.2, 0.001));
+  CHECK_FALSE(is_held(11.4, 0.001));  // a second after it moved last
+  CHECK(is_held(11.5, -0.010));
+  // When all begins anew nothing is in doubt.
+  window.clear();
+  prior.begin(window, SE3<double>(), {0.02, 0, false});
+  CHECK_FALSE(is_held(11.6, 0));
+  // A clock that is known is no reason.
+  window.clear();
+  prior.begin(window, SE3<double>(), {0.02, 0, true});
+  CHECK_FALSE(is_held(11.7, 0.02));
 }
 
 TEST_CASE("rig_prior: a clock without a sigma is known") {

@@ -10,6 +10,7 @@
 #include "estimator/simulation.hpp"
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/feature/motion_estimate.hpp"
+#include "plumbline/feature/row_ranges.hpp"
 #include "plumbline/feature/window_terms.hpp"
 #include "plumbline/frontend/flow.hpp"
 #include "plumbline/frontend/front_ends.hpp"

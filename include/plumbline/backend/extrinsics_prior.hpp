@@ -25,6 +25,9 @@ class ExtrinsicsPrior {
 
   explicit ExtrinsicsPrior(const ExtrinsicsOptions& options) : options_(options), loss_{options.doubt} {}
 
+  /// The mount stays as it is, whatever the calibration says of it.
+  void hold(bool held) { is_held_ = held; }
+
   double cost(const Correction& e) const { return (loss_.rho(squared(e, 0)) + loss_.rho(squared(e, position))) / 2; }
 
   /// To a block of the normal equations.
@@ -36,16 +39,17 @@ class ExtrinsicsPrior {
       const int part = k < position ? 0 : position;
       H(k, k) = loss_.weight(squared(e, part)) / (sigma(part) * sigma(part));
       g[k] = H(k, k) * e[k];
+      if (is_held_) H(k, k) += 1 / (known * known);
     }
     normal.add_block(block, block, H);
     normal.add_gradient(block, g);
   }
 
  private:
-  static constexpr int position = 3;  ///< where it begins
+  static constexpr int position = 3;     ///< where it begins
+  static constexpr double known = 1e-6;  ///< sigma of what is [rad, m]
 
   double sigma(int part) const {
-    constexpr double known = 1e-6;
     return std::max(known, part == position ? options_.position_sigma : options_.rotation_sigma);
   }
   /// |e|^2/sigma^2 of one part.
@@ -55,6 +59,7 @@ class ExtrinsicsPrior {
 
   ExtrinsicsOptions options_;
   Cauchy<double> loss_;
+  bool is_held_ = false;
 };
 
 }  // namespace plumbline

@@ -2,10 +2,13 @@
 /// What is known of mount and clock of the camera of a window besides its rows; nothing without an IMU.
 ///                                                                                          docs/math/camera_imu.md
 
+#include <cmath>
+
 #include "plumbline/backend/extrinsics_prior.hpp"
 #include "plumbline/backend/time_offset_prior.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/present.hpp"
+#include "plumbline/core/time.hpp"
 #include "plumbline/state/clock_belief.hpp"
 #include "plumbline/state/layout.hpp"
 
@@ -24,6 +27,24 @@ class RigPrior {
     if (clock.known || !(options.sigma_s > 0)) return;
     time_offset_.set(TimeOffsetPrior(options, clock.sigma_s));
     window.estimate_time_offset(clock.offset_s);
+    clock_.set({});
+  }
+
+  /// Before the frames are solved for. What a wrong clock makes of turns looks like a turned mount as long as the body
+  /// turns about one axis: while the clock is found out the mount is held.
+  void watch(const auto& window) {
+    if constexpr (has_time_offset<Layout>) {
+      if (!window.estimates_time_offset()) return;
+      const TimeOffsetOptions options = options_.get();
+      const TimeNs now_ns = window[window.newest()].t_ns;
+      const double correction_s = window.time_offset().correction()[0];
+      Clock clock = clock_.get();
+      if (std::abs(correction_s - clock.correction_s) > options.settled_s) clock = {true, now_ns, correction_s};
+      clock_.set(clock);
+      ExtrinsicsPrior mount = extrinsics_.get();
+      mount.hold(clock.moved && seconds_between(clock.moved_ns, now_ns) < options.settling_s);
+      extrinsics_.set(mount);
+    }
   }
 
   double cost(const auto& window) const {
@@ -44,9 +65,17 @@ class RigPrior {
   }
 
  private:
+  /// How it was corrected last by more than a little.
+  struct Clock {
+    bool moved = false;
+    TimeNs moved_ns = 0;
+    double correction_s = 0;
+  };
+
   [[no_unique_address]] Present<ExtrinsicsPrior, has_extrinsics<Layout>> extrinsics_;
   [[no_unique_address]] Present<TimeOffsetOptions, has_time_offset<Layout>> options_;
   [[no_unique_address]] Present<TimeOffsetPrior, has_time_offset<Layout>> time_offset_;
+  [[no_unique_address]] Present<Clock, has_time_offset<Layout>> clock_;
 };
 
 }  // namespace plumbline

@@ -132,6 +132,7 @@ class WindowBackend {
                                      const LevenbergMarquardtOptions& solver) {
     if (links_.active()) links_.follow_biases(window_);
     equations_.order(window_);
+    known_.watch(window_);
     Problem problem{*this, rig, landmarks, T_body_cam};
     views_.update(window_, T_body_cam);
     ties_.choose(landmarks, views_);
