@@ -298,9 +298,8 @@ class Odometry {
   void set_ranges(const View<Sensors>& view, const SE3<S>& T_world_body, bool all) {
     if constexpr (Sensors::rolls) {
       const S readout_s = rig_state.readout().value_s;
-      landmarks.for_each([&](auto& store) {
-        plumbline::set_ranges(store, window(), T_world_body, view.T_body_cam, readout_s, all);
-      });
+      landmarks.for_each(
+          [&](auto& store) { plumbline::set_ranges(store, window(), T_world_body, view.T_body_cam, readout_s, all); });
     }
   }
 
