@@ -113,17 +113,12 @@ class Odometry {
     if (lacks != HealthReason::none) return lacks;
     if (motion.contradicts(predicted, T)) return HealthReason::imu_disagrees;
     find_readout(view, T);
-    set_ranges(view, T, /*all=*/false);
+    set_ranges(landmarks, window(), view, T, readout_s(), /*all=*/false);
     return HealthReason::none;
   }
 
   void move_shutter(View<Sensors>& view, const State& x) const {
-    if constexpr (Sensors::rolls) {
-      const SO3<S> R_cam_body = view.T_body_cam.rotation().inverse();
-      const Vec<S, 3>& w = motion.angular_rate();
-      const Vec<S, 3> v_cam = motion.velocity(x) + Vec<S, 3>(w.cross(view.T_body_cam.p()));
-      view.shutter.set_motion(R_cam_body * w, R_cam_body * v_cam, S(1) / mean_depth());
-    }
+    if constexpr (Sensors::rolls) view.set_motion(motion.angular_rate(), motion.velocity(x), mean_depth());
   }
 
   /// A frame that nothing ties to others: its pose is that of its features; a keyframe is solved for with the window.
@@ -146,7 +141,7 @@ class Odometry {
   void make_keyframe(const View<Sensors>& view) {
     const int slot = backend.insert(view.t_ns, window().latest(), motion.link(keyframe_));
     front_ends.detect(view, window(), landmarks, slot);
-    set_ranges(view, window().T_world_body(slot), /*all=*/true);
+    set_ranges(landmarks, window(), view, window().T_world_body(slot), readout_s(), /*all=*/true);
     backend.optimize(rig, view.T_body_cam, landmarks);
     window().set_latest(slot);
     adopt_keyframe(view, slot);
@@ -165,12 +160,10 @@ class Odometry {
   }
   /// Solved for as a keyframe, or as none; `before` is the state one frame ago. Noise does not move a body that stands.
   void solve_in_window(const View<Sensors>& view, const State& before, bool keyframe) {
-    if (keyframe)
-      front_ends.detect(view, window(), landmarks, temporary_);
-    else
-      landmarks.for_each([&](auto& store) { store.record(temporary_); });
+    if (keyframe) front_ends.detect(view, window(), landmarks, temporary_);
+    if (!keyframe) landmarks.for_each([&](auto& store) { store.record(temporary_); });
     if (stands_) return window().set_latest(temporary_);
-    if (keyframe) set_ranges(view, window().T_world_body(temporary_), /*all=*/true);
+    if (keyframe) set_ranges(landmarks, window(), view, window().T_world_body(temporary_), readout_s(), /*all=*/true);
     backend.optimize(rig, view.T_body_cam, landmarks, keyframe);
     window().set_latest(temporary_);
     if (State solved = window().latest(); motion.revise(before, solved, view.dt)) window().set_latest(solved);
@@ -284,6 +277,7 @@ class Odometry {
 
  private:
   static constexpr int none = -1;
+  S readout_s() const { return rig_state.readout().value_s; }
   /// Takes what the frame says about the readout time; its features move along.
   void find_readout(const View<Sensors>& view, const SE3<S>& T) {
     if constexpr (Sensors::rolls) {
@@ -292,14 +286,6 @@ class Odometry {
       pose_.accumulate(rig, BodyView<S>(T, view.T_body_cam), landmarks, system);
       const S change_s = rig_state.update_readout(system, view.dt);
       landmarks.for_each([&](auto& store) { store.change_readout(change_s); });
-    }
-  }
-  /// The latest frame's rows, by how far the landmarks are from where it is now; with `all` those of the window, too.
-  void set_ranges(const View<Sensors>& view, const SE3<S>& T_world_body, bool all) {
-    if constexpr (Sensors::rolls) {
-      const S readout_s = rig_state.readout().value_s;
-      landmarks.for_each(
-          [&](auto& store) { plumbline::set_ranges(store, window(), T_world_body, view.T_body_cam, readout_s, all); });
     }
   }
 

@@ -7,7 +7,9 @@
 #include <cstddef>
 
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/feature/view.hpp"
 #include "plumbline/lie/se3.hpp"
+#include "plumbline/sensor/rig.hpp"
 
 namespace plumbline {
 
@@ -35,6 +37,15 @@ void set_ranges(Store& store, const auto& window, const SE3<typename Store::S>& 
         Kind::set_range(landmark.geometry, seen, T_world_cam[k].inverse() * T_world_cam[anchor], readout_s);
       }
     }
+  }
+}
+
+/// The same of all kinds; nothing where all rows are read at once.
+template <SensorRig Sensors, class S = typename Sensors::Scalar>
+void set_ranges(auto& landmarks, const auto& window, const View<Sensors>& view,
+                const SE3<typename Sensors::Scalar>& T_world_body, typename Sensors::Scalar readout_s, bool all) {
+  if constexpr (Sensors::rolls) {
+    landmarks.for_each([&](auto& store) { set_ranges(store, window, T_world_body, view.T_body_cam, readout_s, all); });
   }
 }
 

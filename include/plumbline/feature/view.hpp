@@ -30,6 +30,13 @@ struct View {
   typename Sensors::Shutter::template Model<typename Sensors::Camera> shutter;  ///< of the current frame
 
   const typename Sensors::Camera& camera() const { return rig.vision.camera; }
+
+  /// The body moves so, in its own axes [rad/s, m/s], and what the camera sees is `range` away where that is not known.
+  void set_motion(const Vec<S, 3>& angular_rate, const Vec<S, 3>& velocity, S range) {
+    const SO3<S> R_cam_body = T_body_cam.rotation().inverse();
+    const Vec<S, 3> v = velocity + Vec<S, 3>(angular_rate.cross(T_body_cam.p()));
+    shutter.set_motion(R_cam_body * angular_rate, R_cam_body * v, S(1) / range);
+  }
 };
 
 }  // namespace plumbline

@@ -32,7 +32,7 @@ struct RowSlope {
   Vec<S, N> by_readout() const { return by_turn + inverse_range * by_shift; }
   /// It is found to be that far away; returns what is to be added to x.
   Vec<S, N> set_inverse_range(S lambda, S readout_s) {
-    const Vec<S, N> change = (readout_s * (lambda - inverse_range)) * by_shift;
+    Vec<S, N> change = (readout_s * (lambda - inverse_range)) * by_shift;
     inverse_range = lambda;
     return change;
   }
