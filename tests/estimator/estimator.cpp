@@ -119,6 +119,65 @@ TEST_CASE("estimator: black frames are called lost, and tracking goes on where i
   }
 }
 
+TEST_CASE("estimator: after 0.6 s in the dark or without images a camera alone finds its way back") {
+  const auto vio = std::make_unique<Vio>(rig());
+  const testing::Image<std::uint8_t> black(SimulatedRgbd::width, SimulatedRgbd::height);
+  const bool images_come = GENERATE(true, false);
+  const int first = GENERATE(4, 10, 14, 18), last = first + 11;  // while it moves by 0.2 to 0.25 m
+  for (int i = 0; i < 60; ++i) {
+    const bool dark = i >= first && i <= last;
+    Sensors::Frame input = frame(i);
+    if (dark && !images_come) continue;
+    if (dark) input.gray = black.view();
+    const Result<Estimate<double>> estimate = vio->add_frame(input);
+    REQUIRE(estimate);
+    CAPTURE(i, error_m(*estimate, i));
+    REQUIRE(estimate->resets == 0);
+    REQUIRE((estimate->health.state == HealthState::lost) == dark);
+    if (dark) {  // it may have gone anywhere
+      const double blind_s = (i - first + 1) / 20.0, sigma = std::sqrt(estimate->covariance(3, 3));
+      REQUIRE(sigma == Approx(RecoveryOptions{}.lost_speed * blind_s).epsilon(0.01));
+    } else {
+      REQUIRE(error_m(*estimate, i) < 0.05);
+    }
+  }
+}
+
+TEST_CASE("estimator: a picture that repeats itself tells nothing, and does no harm") {
+  const auto vio = std::make_unique<Vio>(rig());
+  for (int i = 0; i < 60; ++i) {
+    const bool hangs = i >= 10 && i < 22;
+    Sensors::Frame input = frame(hangs ? 9 : i);
+    input.t_ns = frame(i).t_ns;
+    const Result<Estimate<double>> estimate = vio->add_frame(input);
+    REQUIRE(estimate);
+    CAPTURE(i, error_m(*estimate, i));
+    REQUIRE(estimate->resets == 0);
+    REQUIRE((estimate->health.reason == HealthReason::images_repeat) == hangs);
+    REQUIRE(estimate->health.state == (hangs ? HealthState::degraded : HealthState::tracking));
+    if (!hangs) REQUIRE(error_m(*estimate, i) < 0.05);
+    if (hangs) REQUIRE(error_m(*estimate, i) < 3 * std::sqrt(estimate->covariance(3, 3)));
+  }
+}
+
+TEST_CASE("estimator: where nothing comes back all begins anew, as uncertain as that is") {
+  const auto vio = std::make_unique<Vio>(rig());
+  const testing::Image<std::uint8_t> black(SimulatedRgbd::width, SimulatedRgbd::height);
+  for (int i = 0; i < 10; ++i) REQUIRE(vio->add_frame(frame(i)));
+  for (int i = 0; i < 100; ++i) {  // 5 s
+    Sensors::Frame dark = frame(9);
+    dark.gray = black.view();
+    dark.t_ns += (i + 1) * TimeNs(50'000'000);
+    REQUIRE(vio->add_frame(dark)->health.state == HealthState::lost);
+  }
+  Sensors::Frame input = frame(50);
+  input.t_ns = frame(9).t_ns + TimeNs(5'050'000'000);
+  const Result<Estimate<double>> estimate = vio->add_frame(input);
+  REQUIRE(estimate->health.state == HealthState::tracking);
+  REQUIRE(estimate->resets == 1);
+  REQUIRE(std::sqrt(estimate->covariance(3, 3)) == Approx(5.05 * RecoveryOptions{}.lost_speed).epsilon(0.01));
+}
+
 TEST_CASE("estimator: a frame without depth is used as one of a gray camera") {
   const auto vio = std::make_unique<Vio>(rig());
   for (int i = 0; i < 30; ++i) {

@@ -109,7 +109,7 @@ TEMPLATE_TEST_CASE("image_pair: the coarsest pixels tell how the camera turned",
   images->keep(images->view(rig, first, SE3<S>(), {}, S(0.1)), SE3<S>());
   REQUIRE(images->see(second));
   const View<Sensors> view = images->view(rig, second, SE3<S>(), {}, S(0.1));
-  const RotationAlignment<S> found = images->align_motion(view, SE3<S>(), S(1));
+  const RotationAlignment<S> found = images->align_motion(view, SE3<S>(), S(1), false);
   REQUIRE(found.valid);
   // What was straight ahead is now seen `shift` pixels to the right.
   const Vec<S, 3> ahead = found.R_cur_prev * Vec<S, 3>::UnitZ();
@@ -117,8 +117,59 @@ TEMPLATE_TEST_CASE("image_pair: the coarsest pixels tell how the camera turned",
   REQUIRE(std::abs(double(ahead.y())) < 0.01);
   // A wrong guess does no harm: rest is tried as well.
   const RotationAlignment<S> again =
-      images->align_motion(view, SE3<S>(SO3<S>::exp({S(0.8), S(-0.5), S(1)}), zeros<S, 3>()), S(1));
+      images->align_motion(view, SE3<S>(SO3<S>::exp({S(0.8), S(-0.5), S(1)}), zeros<S, 3>()), S(1), false);
   REQUIRE((again.valid && !again.moved && again.cost <= found.cost * S(1.01)));
+}
+
+TEST_CASE("image_pair: after a gap a turn is found wherever it went") {
+  using Sensors = MonoRig<double>;
+  const auto rig = rig_of<Sensors>(room().camera);
+  const auto images = std::make_unique<ImagePair<Sensors>>(RotationAlignmentOptions{});
+  std::vector<std::uint8_t> moved(std::size_t(width * height));
+  const ImageView<const std::uint8_t> image = room().frames[0].gray.view();
+  const int shift = GENERATE(-110, -70, 70, 110);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) moved[std::size_t(y * width + x)] = image(std::clamp(x - shift, 0, width - 1), y);
+  }
+  Sensors::Frame first{0, image}, second{1, {moved.data(), width, height, width}};
+  REQUIRE(images->see(first));
+  images->keep(images->view(rig, first, SE3<double>(), {}, 0.1), SE3<double>());
+  REQUIRE(images->see(second));
+  const View<Sensors> view = images->view(rig, second, SE3<double>(), {}, 0.1);
+  const auto direction = [&](bool after_gap) {
+    const Vec<double, 3> ahead = images->align_motion(view, {}, 1.0, after_gap).R_cur_prev * Vec<double, 3>::UnitZ();
+    return ahead.x() / ahead.z();
+  };
+  CHECK(direction(true) == Approx(shift / 268.0).epsilon(0.2));
+  CHECK_FALSE(direction(false) == Approx(shift / 268.0).epsilon(0.2));
+}
+
+TEST_CASE("image_pair: a dark image shows nothing, one that is blurred or half as bright does") {
+  using Sensors = MonoRig<double>;
+  const auto rig = rig_of<Sensors>(room().camera);
+  const auto images = std::make_unique<ImagePair<Sensors>>(RotationAlignmentOptions{});
+  const ImageView<const std::uint8_t> image = room().frames[0].gray.view();
+  const auto shows = [&](auto&& pixel) {
+    std::vector<std::uint8_t> pixels;
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) pixels.push_back(std::uint8_t(pixel(x, y)));
+    }
+    Sensors::Frame frame{1, {pixels.data(), width, height, width}};
+    REQUIRE(images->see(frame));
+    return images->shows_something();
+  };
+  Sensors::Frame first{0, image};
+  REQUIRE(images->see(first));
+  images->keep(images->view(rig, first, SE3<double>(), {}, 0.1), SE3<double>());
+  CHECK_FALSE(shows([](int, int) { return 0; }));
+  CHECK_FALSE(shows([](int, int) { return 255; }));
+  CHECK_FALSE(shows([&](int x, int y) { return image(x, y) / 16; }));
+  CHECK(shows([&](int x, int y) { return image(x, y) / 2; }));
+  CHECK(shows([&](int x, int y) {
+    int sum = 0;
+    for (int k = -7; k <= 7; ++k) sum += image(std::clamp(x + k, 0, width - 1), y);
+    return sum / 15;
+  }));
 }
 
 TEST_CASE("image_pair: a picture again, and almost") {

@@ -66,7 +66,7 @@ TEST_CASE("no heap: see, follow, agree, estimate, refine, locate, record, linear
       view.shutter.set_motion(Vec<float, 3>(0.1f, 0.2f, -0.1f), Vec<float, 3>(0.3f, 0.0f, 0.1f), 0.5f);
       SE3<float> T = T_true;
       if (i > 0) {
-        images->align_motion(view, SE3<float>(), 2.0f);
+        images->align_motion(view, SE3<float>(), 2.0f, /*after_gap=*/true);
         front_ends->follow(view, *window, *landmarks, T);
         front_ends->agree(view, *window, *landmarks, {}, T);
         Mat<float, 6, 6> covariance;

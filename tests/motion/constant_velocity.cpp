@@ -32,7 +32,7 @@ struct Moving {
     latest = motion.update(latest, T, Mat<S, 6, 6>::Identity(), view(dt));
   }
   SE3<S> predict(S dt, const test::SeenRotation<S>& seen = {}) {
-    return motion.predict(latest, view(dt), S(0), [&](const SE3<S>&) { return seen; }).state.T_world_body;
+    return motion.predict(latest, view(dt), dt, [&](const SE3<S>&) { return seen; }).state.T_world_body;
   }
 };
 
@@ -85,7 +85,7 @@ TEMPLATE_TEST_CASE(
     guess = from;
     return test::SeenRotation<S>{true, R_cur_prev};
   };
-  const SE3<S> T = moving.motion.predict(moving.latest, moving.view(dt), S(0), see).state.T_world_body;
+  const SE3<S> T = moving.motion.predict(moving.latest, moving.view(dt), dt, see).state.T_world_body;
   const SE3<S> expected = plus(moving.latest.T_world_body, Vec<S, 6>(dt * moving.velocity));
   const SO3<S> R_world_previous = moving.latest.T_world_body.rotation();
   CHECK(double((T.p() - expected.p()).norm()) < Moving<S>::tolerance);

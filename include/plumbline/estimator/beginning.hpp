@@ -43,19 +43,12 @@ class Beginning {
   int patience(int max_lost_frames) const { return is_complete ? max_lost_frames : 0; }
 
   /// All begins anew at the pose that is published: what comes continues its place and heading, and knows no more of
-  /// them. A body that nothing tells of may have moved.
-  void continue_from(Odometry& odometry, const View<Sensors>& view) {
+  /// them.
+  void continue_from(Odometry& odometry) {
     const Estimate<S>& estimate = odometry.estimate;
     const SO3<S>& R = estimate.T_world_body.rotation();
     auto P = estimate.covariance;
-    if constexpr (is_complete) {
-      const auto& options = odometry.options.recovery;
-      const S blind_s = S(odometry.blind_s(view.t_ns));
-      for (int k = 0; k < 6; ++k) {
-        const S moved = blind_s * S(k < 3 ? options.lost_rate : options.lost_speed);
-        P(k, k) += moved * moved;
-      }
-    } else {
+    if constexpr (!is_complete) {
       P = place_and_heading(P, R);
       const Vec<S, 3> g = R.inverse() * gravity_in_world<S>(S(odometry.options.motion.gravity));
       T_world_start_ = SE3<S>(R * upright<S>(g).inverse(), estimate.T_world_body.p());
@@ -103,7 +96,7 @@ class Beginning {
       odometry.front_ends.follow(view, odometry.window(), odometry.landmarks, x.T_world_body);
       odometry.window().set_latest(x);
       odometry.images.keep(view, x.T_world_body);
-      odometry.estimate.t_ns = view.t_ns;
+      odometry.estimate.t_ns = odometry.good_ns = view.t_ns;
       start.clear_pairs();
       odometry.front_ends.for_each_pair(view, odometry.landmarks, odometry.keyframe(),
                                         [&](const Vec<S, 3>& f1, const Vec<S, 3>& f2) { start.add_pair(f1, f2); });
@@ -214,6 +207,7 @@ class Beginning {
   }
 
   void begin_series(Odometry& odometry, const View<Sensors>& view) {
+    odometry.good_ns = view.t_ns;
     if constexpr (!is_complete) {
       start_.clear();
       start_.add(view.t_ns, odometry.window().latest().T_world_body * view.T_body_cam,

@@ -64,7 +64,7 @@ class Estimator {
     timing_ = {.pyramid = stage.lap()};
     View<Sensors> view = core_.view_of(frame, !beginning_.has_first_view());
     if (!beginning_.has_first_view()) {
-      beginning_.take_first_view(core_, view);
+      take_first_view(view);
     } else {
       const Predicted predicted = core_.predict(view);
       if (!beginning_.has_map()) {
@@ -112,15 +112,16 @@ class Estimator {
 
  private:
   void go_on(const View<Sensors>& view, const Predicted& predicted, Stopwatch<TimeSource>& stage) {
-    if (core_.motion.carries_on() && core_.images.repeats() && !core_.motion.may_rest(view.t_ns))
+    const bool knows_motion = core_.motion.carries_on() || !Core::Motion::is_chain;
+    if (knows_motion && core_.images.repeats() && !core_.motion.may_rest(view.t_ns))
       return recover(view, predicted.state, HealthReason::images_repeat);
     SE3<S> T = predicted.state.T_world_body;
     core_.front_ends.align(view, core_.window(), core_.landmarks, predicted.prior, T);
     timing_.align = stage.lap();
-    core_.follow(view, predicted, T);
+    HealthReason lacks = core_.follow(view, predicted, T);
     timing_.follow = stage.lap();
     Covariance covariance;
-    const HealthReason lacks = core_.find_pose(view, predicted, T, covariance);
+    if (lacks == HealthReason::none) lacks = core_.find_pose(view, predicted, T, covariance);
     timing_.estimate = stage.lap();
     if (lacks != HealthReason::none) {
       recover(view, predicted.state,
@@ -156,31 +157,42 @@ class Estimator {
   /// The images do not say where the frame is: the IMU bridges them, or the next ones are tried against the last good
   /// one; then all begins anew where the body is thought to be.
   void recover(const View<Sensors>& view, const State& predicted, HealthReason lacks) {
-    const RecoveryOptions& options = core_.options.recovery;
     core_.motion.lose();
     if (core_.motion.carries_on()) {
       const bool shows_enough = coast(view, predicted, lacks);
       if (core_.estimate.health.state == HealthState::lost && shows_enough) begin_anew(view);
       return;
     }
-    ++lost_frames_;
-    if (lost_frames_ <= beginning_.patience(options.max_lost_frames)) {
-      core_.landmarks.for_each([](auto& store) { store.undo_frame(); });
-      core_.estimate.t_ns = view.t_ns;
-      core_.estimate.keyframe = false;
-      core_.estimate.tracked = 0;
-      core_.set_health(HealthState::lost, lacks);
-      return;
-    }
-    begin_anew(view);
+    wait_or_begin_anew(view, lacks);
+  }
+
+  /// A camera alone tries its images against the last good one. What shows nothing, or the same again, is no try.
+  void wait_or_begin_anew(const View<Sensors>& view, HealthReason lacks) {
+    const RecoveryOptions& options = core_.options.recovery;
+    const int tries = beginning_.patience(options.max_lost_frames);
+    const bool hangs = lacks == HealthReason::images_repeat;
+    if (!hangs && (tries == 0 || core_.images.shows_something())) ++lost_frames_;
+    const bool waits = hangs || (lost_frames_ <= tries && core_.blind_s(view.t_ns) < options.max_coasting_s);
+    if (!waits) return begin_anew(view);
+    core_.lose_place(view);
+    if (!hangs) core_.landmarks.for_each([](auto& store) { store.undo_frame(); });
+    core_.estimate.t_ns = view.t_ns;
+    core_.estimate.keyframe = false;
+    core_.estimate.tracked = 0;
+    core_.set_health(hangs ? HealthState::degraded : HealthState::lost, lacks);
   }
 
   void begin_anew(const View<Sensors>& view) {
-    if (core_.estimate.health.state != HealthState::initializing) {
-      ++core_.estimate.resets;
-      beginning_.continue_from(core_, view);
-    }
+    core_.estimate.resets += core_.estimate.health.state != HealthState::initializing;
     lost_frames_ = 0;
+    take_first_view(view);
+  }
+  /// Again: at the pose that is published.
+  void take_first_view(const View<Sensors>& view) {
+    if (core_.estimate.resets > 0) {
+      core_.lose_place(view);
+      beginning_.continue_from(core_);
+    }
     beginning_.take_first_view(core_, view);
   }
 

@@ -85,17 +85,22 @@ class Odometry {
 
   /// Where the frame is expected; its shutter moves as the body does.
   Predicted predict(View<Sensors>& view) {
-    const auto align_motion = [&](const SE3<S>& guess) { return images.align_motion(view, guess, mean_depth()); };
+    const auto align_motion = [&](const SE3<S>& guess) {
+      return images.align_motion(view, guess, mean_depth(), is_after_gap(view.t_ns));
+    };
     const Predicted predicted = motion.predict(window().latest(), view, S(blind_s(view.t_ns)), align_motion);
     move_shutter(view, predicted.state);
     return predicted;
   }
 
-  /// Follows all features from the last image and moves T to the pose that most of them agree on.
-  void follow(const View<Sensors>& view, const Predicted& predicted, SE3<S>& T) {
+  /// Follows all features from the last image and moves T to the pose that most of them agree on; what it lacks. After a
+  /// gap, where nothing else tells of the motion, a few that agree by luck are no agreement.
+  HealthReason follow(const View<Sensors>& view, const Predicted& predicted, SE3<S>& T) {
     front_ends.follow(view, window(), landmarks, T);
-    front_ends.agree(view, window(), landmarks, options.ransac, T,
-                     [&](const SE3<S>& found) { return motion.admits(predicted, found); });
+    const auto [asked, agree] = front_ends.agree(view, window(), landmarks, options.ransac, T,
+                                                 [&](const SE3<S>& x) { return motion.admits(predicted, x); });
+    const bool few = agree < options.recovery.min_landmarks && 2 * agree < asked;
+    return !Motion::is_chain && is_after_gap(view.t_ns) && few ? HealthReason::few_inliers : HealthReason::none;
   }
 
   /// The pose alone, again without its outliers, then with every landmark looked for where it sees them; what it lacks.
@@ -274,6 +279,17 @@ class Odometry {
   void publish(const Covariance& P) { estimate.covariance = P + origin.at(estimate.T_world_body); }
   void set_health(HealthState state, HealthReason reason) { estimate.health = {state, reason}; }
   double blind_s(TimeNs t_ns) const { return seconds_between(good_ns, t_ns); }
+  /// A body that nothing tells of may move while it is not seen.
+  void lose_place(const View<Sensors>& view) {
+    if constexpr (!Motion::is_chain) {
+      const double until_s = blind_s(view.t_ns), since_s = until_s - double(view.dt);
+      for (int k = 0; k < state::Pose::dim; ++k) {
+        const double moving = k < 3 ? options.recovery.lost_rate : options.recovery.lost_speed;
+        estimate.covariance(k, k) += S(moving * moving * (until_s * until_s - since_s * since_s));
+      }
+    }
+  }
+  bool is_after_gap(TimeNs t_ns) const { return blind_s(t_ns) > options.recovery.gap_s; }
 
  private:
   static constexpr int none = -1;

@@ -15,9 +15,10 @@ namespace plumbline {
 /// When images are of no use.
 struct RecoveryOptions {
   int min_landmarks = 15;     ///< to begin with, or to go on with
-  int max_lost_frames = 10;   ///< of a camera alone, tried again against the last good one before all begins anew
+  int max_lost_frames = 20;   ///< of a camera alone that show something, tried again before all begins anew
+  double gap_s = 0.2;         ///< without an image of use: after it the camera may have turned by anything
   int max_blind_frames = 3;   ///< in a row that the IMU bridges, before new landmarks are looked for
-  double max_coasting_s = 3;  ///< on the IMU alone before the pose is called lost, and all begins anew
+  double max_coasting_s = 3;  ///< on the IMU alone, or waiting for a sight known, before all begins anew
   double lost_speed = 1;      ///< of a body that nothing tells of, sigma [m/s]
   double lost_rate = 1;       ///< [rad/s]
 };

@@ -48,6 +48,11 @@ constexpr int max_alignment_samples_of() {
 
 }  // namespace detail
 
+/// How many landmarks had a say in the pose, and how many agree on it.
+struct Agreement {
+  int asked = 0, agree = 0;
+};
+
 template <class Policy, class Sensors, int Slots, class FeatureSet>
 class FrontEnds;
 
@@ -103,9 +108,9 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
 
   /// Finds the pose that most located landmarks agree on, beginning with `T_world_body`, and takes the others out of
   /// the frame. Of a majority that moves otherwise than can be, no pose is taken where others agree on one that can:
-  /// admits(T_world_body) tells. Leaves the pose alone when none is found.
-  void agree(const View<Sensors>& view, const auto& window, Landmarks& landmarks, const PoseRansacOptions& options,
-             SE3<S>& T_world_body, auto&& admits) {
+  /// admits(T_world_body) tells. Leaves the pose alone when none is found. Returns who was asked, and how many agree.
+  Agreement agree(const View<Sensors>& view, const auto& window, Landmarks& landmarks, const PoseRansacOptions& options,
+                  SE3<S>& T_world_body, auto&& admits) {
     if constexpr (votes > 0) {
       votes_.clear();
       voters_.clear();
@@ -120,19 +125,22 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
       const auto body_admits = [&](const SE3<S>& T) { return admits((view.T_body_cam * T).inverse()); };
       auto found = ransac_pose(votes_, T_cam_world, options, body_admits);
       if (!found.valid) found = ransac_pose(votes_, T_cam_world, options);
-      if (!found.valid) return;
+      const int asked = static_cast<int>(votes_.size());
+      if (!found.valid) return {asked, 0};
       T_world_body = (view.T_body_cam * found.T_cam_world).inverse();
       for_each_voting_kind([&]<std::size_t I>(const auto&) {
         for (std::size_t k = 0; k < votes_.size(); ++k) {
           if (voters_[k].kind == I && !found.inlier[k]) landmarks.template get<I>().reject(voters_[k].index);
         }
       });
+      return {asked, found.inliers};
     }
+    return {};
   }
 
-  void agree(const View<Sensors>& view, const auto& window, Landmarks& landmarks, const PoseRansacOptions& options,
-             SE3<S>& T_world_body) {
-    agree(view, window, landmarks, options, T_world_body, [](const SE3<S>&) { return true; });
+  Agreement agree(const View<Sensors>& view, const auto& window, Landmarks& landmarks, const PoseRansacOptions& options,
+                  SE3<S>& T_world_body) {
+    return agree(view, window, landmarks, options, T_world_body, [](const SE3<S>&) { return true; });
   }
 
   /// Looks again for all landmarks where the pose sees them.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/view.hpp"
@@ -64,6 +65,9 @@ class ImagePair {
     return true;
   }
 
+  /// Whether the new image has a fair share of the contrast of the kept one: dark ones and walls have not.
+  bool shows_something() const { return contrast(1 - kept_) > least_contrast * contrast(kept_); }
+
   /// The new image is the one that the next is compared with.
   void keep(const View<Sensors>& view, const SE3<S>& T_world_body) {
     kept_ = &view.current == &pyramids_[0] ? 0 : 1;
@@ -72,7 +76,8 @@ class ImagePair {
 
   /// Rotation of the camera from the previous to the current image by their coarsest pixels: of one that moved from
   /// place to place as in `T_cur_prev`, `range` from all it sees, or of one that did not, whichever fits better.
-  RotationAlignment<S> align_motion(const View<Sensors>& view, const SE3<S>& T_cur_prev, S range) {
+  /// After a gap rotations all around the expected one are tried as well.
+  RotationAlignment<S> align_motion(const View<Sensors>& view, const SE3<S>& T_cur_prev, S range, bool after_gap) {
     thumbnail_.build(view.previous);
     rotation_.set_previous(view.camera(), thumbnail_);
     thumbnail_.build(view.current);
@@ -80,12 +85,45 @@ class ImagePair {
       return rotation_.align(view.camera(), thumbnail_, guess.rotation(), Vec<S, 3>(guess.p() / range), options_);
     };
     RotationAlignment<S> moved = align(T_cur_prev);
+    if (after_gap) moved = better(moved, align(SE3<S>(search(view.camera(), T_cur_prev, range), T_cur_prev.p())));
     moved.moved = true;
-    const RotationAlignment<S> still = align(SE3<S>());
-    return still.valid && (!moved.valid || still.cost < moved.cost) ? still : moved;
+    return better(moved, align(SE3<S>()));
   }
 
  private:
+  static constexpr float least_contrast = 0.25f;
+  static constexpr int search_x = 5, search_y = 3;  ///< steps of the search to either side
+  static constexpr float search_step_px = 3;        ///< of the coarsest pixels
+
+  static RotationAlignment<S> better(const RotationAlignment<S>& a, const RotationAlignment<S>& b) {
+    return b.valid && (!a.valid || b.cost < a.cost) ? b : a;
+  }
+
+  /// Of rotations on a grid, the one whose coarsest pixels fit best.
+  SO3<S> search(const typename Sensors::Camera& camera, const SE3<S>& T_cur_prev, S range) const {
+    RotationAlignmentOptions one_look = options_;
+    one_look.max_iterations = 1;
+    const S step = S(search_step_px * thumbnail_.scale()) / S(effective_focal_length(camera));
+    RotationAlignment<S> best;
+    for (int y = -search_y; y <= search_y; ++y) {
+      for (int x = -search_x; x <= search_x; ++x) {
+        const SO3<S> R = SO3<S>::exp({S(y) * step, S(x) * step, S(0)}) * T_cur_prev.rotation();
+        best = better(best, rotation_.align(camera, thumbnail_, R, Vec<S, 3>(T_cur_prev.p() / range), one_look));
+      }
+    }
+    return best.R_cur_prev;
+  }
+
+  /// Mean difference of neighbours in the coarsest image.
+  float contrast(int k) const {
+    const auto& image = pyramids_[std::size_t(k)].level(RigPyramid<Sensors>::levels - 1);
+    float sum = 0;
+    for (int v = 0; v < image.height; ++v) {
+      for (int u = 1; u < image.width; ++u) sum += float(std::abs(image(u, v) - image(u - 1, v)));
+    }
+    return image.width * image.height > 0 ? sum / float(image.width * image.height) : 0.0f;
+  }
+
   static constexpr std::size_t thumbnail_pixels = decltype(Sensors::vision)::max_pixels >>
                                                   (2 * RigPyramid<Sensors>::levels);
 

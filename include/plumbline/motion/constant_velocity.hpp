@@ -52,11 +52,11 @@ class ConstantVelocity {
   void begin_frame(TimeNs, const State* /*latest*/, S /*dt*/) {}
   const SE3<S>& T_body_cam(const SE3<S>& extrinsics) const { return extrinsics; }
 
-  Prediction<State, S> predict(const State& latest, const View<Sensors>& view, S /*blind_s*/, auto&& align_motion) {
+  Prediction<State, S> predict(const State& latest, const View<Sensors>& view, S blind_s, auto&& align_motion) {
     SE3<S> T = latest.T_world_body;
-    if (view.dt < S(options_.max_prediction_s)) T = plus(T, Vec<S, 6>(velocity_ * view.dt));
+    if (blind_s < S(options_.max_prediction_s)) T = plus(T, Vec<S, 6>(velocity_ * blind_s));
     T = turned_as_seen(T, view, align_motion);
-    expected_ = minus(T, latest.T_world_body) / view.dt;
+    expected_ = minus(T, latest.T_world_body) / blind_s;
     return {{T}, {}};
   }
   Vec<S, 3> angular_rate() const { return segment<3>(expected_, 0); }
@@ -81,7 +81,7 @@ class ConstantVelocity {
 
   static constexpr bool ties_frames() { return false; }
   static constexpr bool at_rest() { return false; }
-  static constexpr bool may_rest(TimeNs /*t_ns*/) { return true; }
+  static constexpr bool may_rest(TimeNs /*t_ns*/) { return false; }
   bool confirm_keyframe(TimeNs, auto&& /*motion_px*/, bool needed) const { return needed; }
   Link link(int /*keyframe*/) const { return {}; }
   void begin_link(const State&) {}
