@@ -91,6 +91,11 @@ TEST_CASE("options: keyframes come as often as the sensors need them") {
   REQUIRE(OptionsOf<MonoImuRig>{}.keyframe.min_tracked_ratio > OptionsOf<RgbdImuRig>{}.keyframe.min_tracked_ratio);
 }
 
+TEST_CASE("options: a camera that begins by two views waits less long for a sight it knows") {
+  REQUIRE(OptionsOf<MonoRig>{}.recovery.max_lost_frames < OptionsOf<RgbdRig>{}.recovery.max_lost_frames);
+  REQUIRE(OptionsOf<MonoRig>{}.recovery.gap_s == OptionsOf<RgbdRig>{}.recovery.gap_s);
+}
+
 TEST_CASE("options: arrive in the front end and in the recovery") {
   using Vo = Estimator<RgbdRig, Features<Points<50>>, SlidingWindow<4>>;
   std::array<std::uint8_t, width * height> gray;

@@ -19,6 +19,7 @@
 #include "plumbline/estimator/keyframe_work.hpp"
 #include "plumbline/estimator/odometry.hpp"
 #include "plumbline/estimator/options.hpp"
+#include "plumbline/estimator/recovery.hpp"
 #include "plumbline/map/no_map.hpp"
 
 namespace plumbline {
@@ -64,7 +65,7 @@ class Estimator {
     timing_ = {.pyramid = stage.lap()};
     View<Sensors> view = core_.view_of(frame, !beginning_.has_first_view());
     if (!beginning_.has_first_view()) {
-      take_first_view(view);
+      recovery_.begin(core_, beginning_, view);
     } else {
       const Predicted predicted = core_.predict(view);
       if (!beginning_.has_map()) {
@@ -114,7 +115,7 @@ class Estimator {
   void go_on(const View<Sensors>& view, const Predicted& predicted, Stopwatch<TimeSource>& stage) {
     const bool knows_motion = core_.motion.carries_on() || !Core::Motion::is_chain;
     if (knows_motion && core_.images.repeats() && !core_.motion.may_rest(view.t_ns))
-      return recover(view, predicted.state, HealthReason::images_repeat);
+      return recovery_.recover(core_, beginning_, view, predicted.state, HealthReason::images_repeat);
     SE3<S> T = predicted.state.T_world_body;
     core_.front_ends.align(view, core_.window(), core_.landmarks, predicted.prior, T);
     timing_.align = stage.lap();
@@ -124,8 +125,8 @@ class Estimator {
     if (lacks == HealthReason::none) lacks = core_.find_pose(view, predicted, T, covariance);
     timing_.estimate = stage.lap();
     if (lacks != HealthReason::none) {
-      recover(view, predicted.state,
-              core_.landmarks.seen_count() < core_.options.pose.min_inliers ? HealthReason::few_features : lacks);
+      if (core_.landmarks.seen_count() < core_.options.pose.min_inliers) lacks = HealthReason::few_features;
+      recovery_.recover(core_, beginning_, view, predicted.state, lacks);
     } else {
       const State x = core_.motion.update(predicted.state, T, covariance, view);
       if (core_.motion.ties_frames()) {
@@ -141,8 +142,7 @@ class Estimator {
           work_.make_keyframe(core_, view);
         }
       }
-      if (lost_frames_ > 0) core_.motion.lose();
-      lost_frames_ = 0;
+      recovery_.end(core_);
     }
     timing_.map = stage.lap();
   }
@@ -154,95 +154,9 @@ class Estimator {
       core_.origin.dispute(minus(T, predicted.state.T_world_body));
   }
 
-  /// The images do not say where the frame is: the IMU bridges them, or the next ones are tried against the last good
-  /// one; then all begins anew where the body is thought to be.
-  void recover(const View<Sensors>& view, const State& predicted, HealthReason lacks) {
-    core_.motion.lose();
-    if (core_.motion.carries_on()) {
-      const bool shows_enough = coast(view, predicted, lacks);
-      if (core_.estimate.health.state == HealthState::lost && shows_enough) begin_anew(view);
-      return;
-    }
-    wait_or_begin_anew(view, lacks);
-  }
-
-  /// A camera alone tries its images against the last good one. What shows nothing, or the same again, is no try.
-  void wait_or_begin_anew(const View<Sensors>& view, HealthReason lacks) {
-    const RecoveryOptions& options = core_.options.recovery;
-    const int tries = beginning_.patience(options.max_lost_frames);
-    const bool hangs = lacks == HealthReason::images_repeat;
-    if (!hangs && (tries == 0 || core_.images.shows_something())) ++lost_frames_;
-    const bool waits = hangs || (lost_frames_ <= tries && core_.blind_s(view.t_ns) < options.max_coasting_s);
-    if (!waits) return begin_anew(view);
-    core_.lose_place(view);
-    if (!hangs) core_.landmarks.for_each([](auto& store) { store.undo_frame(); });
-    core_.estimate.t_ns = view.t_ns;
-    core_.estimate.keyframe = false;
-    core_.estimate.tracked = 0;
-    core_.set_health(hangs ? HealthState::degraded : HealthState::lost, lacks);
-  }
-
-  void begin_anew(const View<Sensors>& view) {
-    core_.estimate.resets += core_.estimate.health.state != HealthState::initializing;
-    lost_frames_ = 0;
-    take_first_view(view);
-  }
-  /// Again: at the pose that is published.
-  void take_first_view(const View<Sensors>& view) {
-    if (core_.estimate.resets > 0) {
-      core_.lose_place(view);
-      beginning_.continue_from(core_);
-    }
-    beginning_.take_first_view(core_, view);
-  }
-
-  /// The motion model alone. Where the image shows enough its features are followed, and located as soon as there is
-  /// parallax; where it does not for long, what was seen before is out of sight. What contradicts the readings is of no
-  /// use. True when the image shows enough to begin with.
-  bool coast(const View<Sensors>& view, State x, HealthReason lacks) {
-    const RecoveryOptions& options = core_.options.recovery;
-    const bool is_old = lacks == HealthReason::images_repeat, is_wrong = lacks == HealthReason::imu_disagrees;
-    const bool stands = stand(view.t_ns, x) && !is_wrong;  // else all may have to begin anew
-    core_.window().set_latest(x);
-    bool shows_enough = !is_old && core_.landmarks.seen_count() >= options.min_landmarks;
-    if (shows_enough && !is_wrong) {
-      core_.images.keep(view, x.T_world_body);
-      core_.locate(view);
-    } else if (!is_old && !shows_enough && ++lost_frames_ > options.max_blind_frames && core_.look_anew(view)) {
-      shows_enough = true;
-      lost_frames_ = 0;
-    } else {
-      if (!is_old) core_.landmarks.for_each([](auto& store) { store.undo_frame(); });
-    }
-    Covariance covariance = core_.estimate.covariance;
-    if (!stands) covariance = core_.motion.covariance_grown(covariance);
-    core_.publish(view.t_ns);
-    core_.estimate.covariance = covariance;
-    core_.estimate.tracked = 0;
-    if (stands) core_.good_ns = view.t_ns;
-    const bool lost = !(core_.blind_s(view.t_ns) < options.max_coasting_s);
-    core_.set_health(lost ? HealthState::lost : HealthState::degraded,
-                     is_old || is_wrong ? lacks : HealthReason::coasting);
-    return shows_enough;
-  }
-
-  /// A body that hardly moved stands when its readings say so: noise does not move it in the dark, and it is not lost.
-  /// Every second there its velocity is in doubt by as much as it was before.
-  bool stand(TimeNs t_ns, State& x) {
-    if constexpr (Core::Motion::Layout::template has<state::Velocity>) {
-      const State& before = core_.window().latest();
-      const double hardly = core_.options.motion.velocity_sigma * (1 + core_.blind_s(t_ns));
-      if (!(double(norm(before.v_world_body)) < hardly) || !core_.motion.may_rest(t_ns)) return false;
-      x.T_world_body = before.T_world_body;
-      set_zero(x.v_world_body);
-      return true;
-    }
-    return false;
-  }
-
   Core core_;
   Beginning<Core, typename Parts::Start> beginning_;
-  int lost_frames_ = 0;  ///< in a row whose image was of no use
+  Recovery<Core, Beginning<Core, typename Parts::Start>> recovery_;
   FrameTiming timing_;
   [[no_unique_address]] Work work_;  ///< the last, so that its end is waited for first
 };

@@ -93,8 +93,8 @@ class Odometry {
     return predicted;
   }
 
-  /// Follows all features from the last image and moves T to the pose that most of them agree on; what it lacks. After a
-  /// gap, where nothing else tells of the motion, a few that agree by luck are no agreement.
+  /// Follows all features from the last image and moves T to the pose that most of them agree on; what it lacks.
+  /// After a gap, where nothing else tells of the motion, a few that agree by luck are no agreement.
   HealthReason follow(const View<Sensors>& view, const Predicted& predicted, SE3<S>& T) {
     front_ends.follow(view, window(), landmarks, T);
     const auto [asked, agree] = front_ends.agree(view, window(), landmarks, options.ransac, T,
@@ -145,8 +145,7 @@ class Odometry {
   /// The latest frame, which was solved for alone, becomes a keyframe.
   void make_keyframe(const View<Sensors>& view) {
     const int slot = backend.insert(view.t_ns, window().latest(), motion.link(keyframe_));
-    front_ends.detect(view, window(), landmarks, slot);
-    set_ranges(landmarks, window(), view, window().T_world_body(slot), readout_s(), /*all=*/true);
+    look_for_more(view, slot);
     backend.optimize(rig, view.T_body_cam, landmarks);
     window().set_latest(slot);
     adopt_keyframe(view, slot);
@@ -165,10 +164,12 @@ class Odometry {
   }
   /// Solved for as a keyframe, or as none; `before` is the state one frame ago. Noise does not move a body that stands.
   void solve_in_window(const View<Sensors>& view, const State& before, bool keyframe) {
-    if (keyframe) front_ends.detect(view, window(), landmarks, temporary_);
-    if (!keyframe) landmarks.for_each([&](auto& store) { store.record(temporary_); });
+    if (keyframe) {
+      look_for_more(view, temporary_);
+    } else {
+      landmarks.for_each([&](auto& store) { store.record(temporary_); });
+    }
     if (stands_) return window().set_latest(temporary_);
-    if (keyframe) set_ranges(landmarks, window(), view, window().T_world_body(temporary_), readout_s(), /*all=*/true);
     backend.optimize(rig, view.T_body_cam, landmarks, keyframe);
     window().set_latest(temporary_);
     if (State solved = window().latest(); motion.revise(before, solved, view.dt)) window().set_latest(solved);
@@ -222,21 +223,6 @@ class Odometry {
     make_room(view);
   }
 
-  /// What was seen before is out of sight: a keyframe at the latest state, if the image shows corners at all.
-  bool look_anew(const View<Sensors>& view) {
-    drop_temporary();
-    const int slot = backend.insert(view.t_ns, window().latest(), motion.link(keyframe_));
-    front_ends.detect(view, window(), landmarks, slot);
-    if (landmarks.seen_count() < options.recovery.min_landmarks) {
-      backend.drop(landmarks, slot);
-      return false;
-    }
-    window().set_latest(slot);
-    adopt_keyframe(view, slot);
-    make_room(view);
-    return true;
-  }
-
   /// The window has become metric, the latest frame is its last keyframe: links begin.
   void become_metric(const View<Sensors>& view) {
     front_ends.end_start(landmarks);
@@ -279,21 +265,16 @@ class Odometry {
   void publish(const Covariance& P) { estimate.covariance = P + origin.at(estimate.T_world_body); }
   void set_health(HealthState state, HealthReason reason) { estimate.health = {state, reason}; }
   double blind_s(TimeNs t_ns) const { return seconds_between(good_ns, t_ns); }
-  /// A body that nothing tells of may move while it is not seen.
-  void lose_place(const View<Sensors>& view) {
-    if constexpr (!Motion::is_chain) {
-      const double until_s = blind_s(view.t_ns), since_s = until_s - double(view.dt);
-      for (int k = 0; k < state::Pose::dim; ++k) {
-        const double moving = k < 3 ? options.recovery.lost_rate : options.recovery.lost_speed;
-        estimate.covariance(k, k) += S(moving * moving * (until_s * until_s - since_s * since_s));
-      }
-    }
-  }
   bool is_after_gap(TimeNs t_ns) const { return blind_s(t_ns) > options.recovery.gap_s; }
 
  private:
   static constexpr int none = -1;
   S readout_s() const { return rig_state.readout().value_s; }
+  /// New landmarks in the keyframe of that slot.
+  void look_for_more(const View<Sensors>& view, int slot) {
+    front_ends.detect(view, window(), landmarks, slot);
+    set_ranges(landmarks, window(), view, window().T_world_body(slot), readout_s(), /*all=*/true);
+  }
   /// Takes what the frame says about the readout time; its features move along.
   void find_readout(const View<Sensors>& view, const SE3<S>& T) {
     if constexpr (Sensors::rolls) {
