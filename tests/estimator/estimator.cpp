@@ -160,6 +160,26 @@ TEST_CASE("estimator: a picture that repeats itself tells nothing, and does no h
   }
 }
 
+TEST_CASE("estimator: a camera that hangs is lost after a while, and begins anew when its images go on") {
+  const auto vio = std::make_unique<Vio>(rig());
+  for (int i = 0; i < 10; ++i) REQUIRE(vio->add_frame(frame(i)));
+  const double patience_s = RecoveryOptions{}.max_coasting_s;
+  for (int i = 1; i <= 100; ++i) {  // 5 s
+    Sensors::Frame again = frame(9);
+    again.t_ns += i * TimeNs(50'000'000);
+    const Result<Estimate<double>> estimate = vio->add_frame(again);
+    CAPTURE(i);
+    REQUIRE(estimate->health.reason == HealthReason::images_repeat);
+    REQUIRE(estimate->health.state == (0.05 * i < patience_s ? HealthState::degraded : HealthState::lost));
+    REQUIRE(estimate->resets == 0);
+  }
+  Sensors::Frame input = frame(50);
+  input.t_ns = frame(9).t_ns + TimeNs(5'050'000'000);
+  const Result<Estimate<double>> estimate = vio->add_frame(input);
+  REQUIRE(estimate->health.state == HealthState::tracking);
+  REQUIRE(estimate->resets == 1);
+}
+
 TEST_CASE("estimator: where nothing comes back all begins anew, as uncertain as that is") {
   const auto vio = std::make_unique<Vio>(rig());
   const testing::Image<std::uint8_t> black(SimulatedRgbd::width, SimulatedRgbd::height);

@@ -66,16 +66,15 @@ class Recovery {
   /// when all has to begin anew.
   bool wait(Odometry& odometry, const View<Sensors>& view, int tries, HealthReason lacks) {
     const bool hangs = lacks == HealthReason::images_repeat;
+    const bool for_long = !(odometry.blind_s(view.t_ns) < odometry.options.recovery.max_coasting_s);
     if (!hangs && (tries == 0 || odometry.images.shows_something())) ++lost_frames_;
-    const bool waits =
-        hangs || (lost_frames_ <= tries && odometry.blind_s(view.t_ns) < odometry.options.recovery.max_coasting_s);
-    if (!waits) return false;
+    if (!hangs && (lost_frames_ > tries || for_long)) return false;
     lose_place(odometry, view);
     if (!hangs) undo_frame(odometry);
     odometry.estimate.t_ns = view.t_ns;
     odometry.estimate.keyframe = false;
     odometry.estimate.tracked = 0;
-    odometry.set_health(hangs ? HealthState::degraded : HealthState::lost, lacks);
+    odometry.set_health(hangs && !for_long ? HealthState::degraded : HealthState::lost, lacks);
     return true;
   }
   /// A body that nothing tells of may move while it is not seen.
