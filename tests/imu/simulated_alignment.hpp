@@ -23,7 +23,7 @@ struct SimulatedAlignment {
 
   /// Camera poses in a frame of their own, in units of `scale` metres. Without shaking the body rests.
   SimulatedAlignment(std::uint64_t seed, double scale, const Vec<double, 3>& bias_gyro,
-                     const Vec<double, 3>& bias_accel, int count = 10, bool shaken = true) {
+                     const Vec<double, 3>& bias_accel, int count = 10, bool shaken = true, TimeNs step = 200'000'000) {
     testing::Gaussian normal(seed);
     const RandomMotion motion(normal);
     NavState<double> x = random_state(normal);
@@ -31,7 +31,6 @@ struct SimulatedAlignment {
     x.bias_gyro = bias_gyro;
     x.bias_accel = bias_accel;
     if (!shaken) x.v_world_body.setZero();
-    const TimeNs step = 200'000'000;
     const Vec<double, 3> g = gravity_in_world<double>(),
                          at_rest = x.T_world_body.rotation().inverse() * Vec<double, 3>(-g);
     for (int k = 0; k < count; ++k) {

@@ -116,3 +116,49 @@ TEST_CASE("alignment_window: poses of a unit that changed are forgotten, oldest 
   REQUIRE(window.align(s.T_body_cam, {}, standard_gravity<double>).v_world_body.size() ==
           std::size_t(AlignmentWindow<double>::capacity / 2));
 }
+
+TEST_CASE("alignment_window: poses follow the camera's clock when that turns out to be another") {
+  constexpr TimeNs step = 10'000'000;
+  constexpr std::size_t late = 2, known = 70, count = 110;  // steps
+  const test::SimulatedAlignment<double> s(1, 1.5, {0.02, -0.01, 0.05}, {0.1, 0.2, -0.15}, count, true, step);
+  const double step_s = double(step) * 1e-9, late_s = late * step_s;
+  AlignmentWindow<double> window;
+  for (std::size_t k = 0; k + late < count; ++k) {  // each image shows where the camera is some steps later
+    auto readings = s.imu[k < known ? k : k + late];
+    if (k == known) {  // all that came since the frame before
+      readings = s.imu[k];
+      for (std::size_t j = k + 1; j <= k + late; ++j) {
+        for (const ImuInterval<double>& d : s.imu[j].intervals()) readings.add(d);
+      }
+    }
+    window.add(TimeNs(k) * step, s.frames[k + late].T_ref_cam, readings, 4.9 * step_s, k < known ? 0 : late_s);
+  }
+  const auto thought = window.align(s.T_body_cam, {}, standard_gravity<double>, 0);
+  const auto found = window.align(s.T_body_cam, {}, standard_gravity<double>, late_s);
+  CAPTURE(name_of(thought.outcome), name_of(found.outcome), found.scale, found.gyro_residual, thought.gyro_residual);
+  REQUIRE(found);
+  REQUIRE(found.scale == Approx(1.5).epsilon(0.05));
+  REQUIRE(thought.gyro_residual > 4 * found.gyro_residual);
+}
+
+TEST_CASE("alignment_window: poses of another clock or shutter are rough, and go first") {
+  const std::size_t rough = 8;
+  const test::SimulatedAlignment<double> s(1, 1.5, {0.02, -0.01, 0.05}, {0.1, 0.2, -0.15}, 40);
+  AlignmentWindow<double> window;
+  const auto poses = [&](bool with_rough) {
+    return window.align(s.T_body_cam, {}, standard_gravity<double>, 0, with_rough).v_world_body.size();
+  };
+  std::size_t k = 0;
+  const auto add_until = [&](std::size_t end) {
+    for (; k < end; ++k) window.add(TimeNs(k), s.frames[k].T_ref_cam, s.imu[k], 0.9 * step_s);
+  };
+  add_until(rough);
+  window.make_rough();
+  REQUIRE((window.has_rough() && poses(true) == rough && poses(false) == 0));
+  add_until(17);
+  REQUIRE((poses(true) == 17 && poses(false) == 17 - rough));
+  add_until(AlignmentWindow<double>::capacity + 3);  // full: they make room
+  REQUIRE((poses(true) == std::size_t(AlignmentWindow<double>::capacity) && poses(false) == 27 - rough));
+  window.forget_rough();
+  REQUIRE((!window.has_rough() && poses(true) == 27 - rough && poses(false) == 27 - rough));
+}

@@ -25,7 +25,7 @@ struct InertialStartOptions {
   double max_rough_scale_sigma = 0.7;  ///< relative, of a pose that is published although its scale is uncertain
   double settling_s = 3;               ///< after the start of a camera without depth its scale is not certain
   double max_accel_bias_sigmas = 10;   ///< of accel_bias_sigma, when images and readings are first solved together
-  double max_time_error_s = 2e-3;      ///< the camera's clock was wrong by more: poses are gathered anew
+  double max_time_error_s = 2e-3;      ///< the camera's clock was wrong by more: poses so far are rough
   double max_readout_error_s = 4e-3;   ///< or the readout time of its shutter
   double max_time_sigma_s = 3e-3;      ///< of the camera's clock, when images and readings are first solved together
   double max_time_wait_s = 2;          ///< for that
@@ -51,26 +51,27 @@ class InertialStart {
     has_estimate_ = false;
   }
   /// One more of them, with the readings since the frame before and what the rig was found to be: its clock cuts the
-  /// readings, its readout moves the images. When that is another than before the series begins with it. True when it is
-  /// worth trying to align.
+  /// readings, its readout moves the images. True when it is worth trying to align.
   bool add(TimeNs t_ns, const SE3<S>& T_ref_cam, const Preintegration<S>& since_last, const auto& rig_state) {
-    const double time_offset_s = rig_state.time_offset_s(), readout_s = double(rig_state.readout().value_s);
-    if (!(std::abs(time_offset_s - time_offset_s_) < options_.max_time_error_s &&
-          std::abs(readout_s - readout_s_) < options_.max_readout_error_s)) {
-      clear();
-      time_offset_s_ = time_offset_s;
-      readout_s_ = readout_s;
+    time_offset_s_ = rig_state.time_offset_s();
+    const double readout_s = double(rig_state.readout().value_s);
+    if (!(std::abs(time_offset_s_ - series_time_offset_s_) < options_.max_time_error_s &&
+          std::abs(readout_s - series_readout_s_) < options_.max_readout_error_s)) {
+      window_.make_rough();
+      series_time_offset_s_ = time_offset_s_;
+      series_readout_s_ = readout_s;
     }
-    return window_.add(t_ns, T_ref_cam, since_last, options_.frame_interval_s);
+    return window_.add(t_ns, T_ref_cam, since_last, options_.frame_interval_s, time_offset_s_);
   }
   /// A keyframe of that time was solved for again.
   void correct(TimeNs t_ns, const SE3<S>& T_ref_cam) { window_.correct(t_ns, T_ref_cam); }
 
-  /// Whether poses and readings agree; `report` says what is missing.
+  /// Whether poses and readings agree; `report` says what is missing. While it is much there may be an estimate that
+  /// is rough, and of rough poses.
   bool align(const SE3<S>& T_body_cam, double gravity, InitReport& report) {
     InertialAlignmentOptions options = options_.alignment;
     options.metric = !needs_second_view;
-    const auto found = window_.align(T_body_cam, options, gravity);
+    auto found = window_.align(T_body_cam, options, gravity, time_offset_s_, /*with_rough=*/false);
     report.alignment = found.outcome;
     report.excitation = found.excitation;
     report.gravity_norm = found.gravity_norm;
@@ -80,11 +81,16 @@ class InertialStart {
       has_estimate_ = false;
       window_.forget_oldest();
     }
-    if (!found && !(found.is_rough() && found.scale_sigma < options_.max_rough_scale_sigma)) return false;
+    const bool agree = bool(found);
+    if (!is_of_use(found) && window_.has_rough()) {
+      found = window_.align(T_body_cam, options, gravity, time_offset_s_);
+      if (found.contradicts()) window_.forget_rough();
+    }
+    if (!is_of_use(found)) return false;
     found_ = found;
     has_estimate_ = true;
     gravity_ref_ = found_.R_world_ref.inverse() * gravity_in_world<S>(S(gravity));
-    return bool(found_);
+    return agree;
   }
 
   /// Whether the camera's clock seems right, or will not be found out in reasonable time.
@@ -133,13 +139,18 @@ class InertialStart {
   }
 
  private:
+  using Alignment = typename AlignmentWindow<S>::Outcome;
+  bool is_of_use(const Alignment& found) const {
+    return found || (found.is_rough() && found.scale_sigma < options_.max_rough_scale_sigma);
+  }
+
   Options options_;
   Visual visual_;
   AlignmentWindow<S> window_;
-  typename AlignmentWindow<S>::Outcome found_;
+  Alignment found_;
   bool has_estimate_ = false;
-  double time_offset_s_ = 0;  ///< that the series is cut by
-  double readout_s_ = 0;      ///< by which its images were brought to their middle
+  double time_offset_s_ = 0;                                ///< as it is known now
+  double series_time_offset_s_ = 0, series_readout_s_ = 0;  ///< as they were when the poses began that are not rough
   Vec<S, 3> gravity_ref_ = zeros<S, 3>();
 };
 
