@@ -152,6 +152,12 @@ TEST_CASE("calibration: a stated readout time, and none") {
   REQUIRE(!read(plain).camera.readout_s);
   REQUIRE(*read(replaced(plain, "rate_hz: 30", "readout_s: 0.026")).camera.readout_s == 0.026);
   require_error(replaced(plain, "rate_hz: 30", "readout_s: 26"), 7, "camera.readout_s must be from 0 to 0.2 seconds");
+  REQUIRE(*read(replaced(euroc, "rate_hz: 20", "readout_s: 0.026")).camera.readout_s == 0.026);
+  REQUIRE(*read(replaced(opencv, "flags: 0", "readout_s: 0.026")).camera.readout_s == 0.026);
+  const auto stated = [](const std::string& line) { return replaced(kalibr, "timeshift_cam_imu: 0.012", line); };
+  REQUIRE(*read(stated("readout_s: 0.026")).camera.readout_s == 0.026);
+  REQUIRE(*read(stated("line_delay: 5.0e-05")).camera.readout_s == Approx(511 * 5e-5));
+  require_error(stated("line_delay: 1.0e-3"), 14, "cam0.line_delay must be from 0 to 0.2 seconds for all rows");
 }
 
 TEST_CASE("calibration: EuRoC, T_BS is the camera in the body") {

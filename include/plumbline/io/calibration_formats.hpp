@@ -10,6 +10,14 @@
 
 namespace plumbline::io::detail {
 
+/// How long the rows of an image take, times a key's unit; in each format `readout_s`, of the whole image.
+inline void set_readout(CameraCalibration& camera, const YamlMap& map, const char* key = "readout_s", double unit = 1) {
+  if (!map.has(key)) return;
+  camera.readout_s = unit * map.number(key);
+  if (!(*camera.readout_s >= 0 && *camera.readout_s < 0.2))
+    map.fail(key, "must be from 0 to 0.2 seconds" + std::string(unit == 1 ? "" : " for all rows"));
+}
+
 /// plumbline's own: camera, depth, T_body_camera, imu.
 inline Calibration read_plain(const YamlMap& root) {
   root.allow_only({"camera", "depth", "T_body_camera", "imu"});
@@ -30,10 +38,7 @@ inline Calibration read_plain(const YamlMap& root) {
   check_projection(camera, map, "intrinsics", "resolution");
   check_distortion(camera, map, map.has("distortion_coefficients") ? "distortion_coefficients" : "model");
   if (map.has("time_offset_s")) out.camera_time_offset_s = map.number("time_offset_s", time_offset_range);
-  if (map.has("readout_s")) {
-    camera.readout_s = map.number("readout_s");
-    if (!(*camera.readout_s >= 0 && *camera.readout_s < 0.2)) map.fail("readout_s", "must be from 0 to 0.2 seconds");
-  }
+  set_readout(camera, map);
   if (root.has("depth")) {
     const YamlMap depth = root.map("depth");
     depth.allow_only({"scale"});
@@ -52,7 +57,7 @@ inline Calibration read_plain(const YamlMap& root) {
 /// EuRoC cam0/sensor.yaml. T_BS maps sensor into body coordinates.
 inline Calibration read_euroc_camera(const YamlMap& root) {
   root.allow_only({"sensor_type", "comment", "T_BS", "rate_hz", "resolution", "camera_model", "intrinsics",
-                   "distortion_model", "distortion_coefficients"});
+                   "distortion_model", "distortion_coefficients", "readout_s"});
   Calibration out;
   CameraCalibration& camera = out.camera;
   if (root.text("camera_model") != "pinhole") root.fail("camera_model", "is not pinhole");
@@ -63,6 +68,7 @@ inline Calibration read_euroc_camera(const YamlMap& root) {
   camera.rate_hz = root.number_or("rate_hz", frame_rate_range, 0);
   check_projection(camera, root, "intrinsics", "resolution");
   check_distortion(camera, root, "distortion_coefficients");
+  set_readout(camera, root);
   out.T_body_camera = rigid_transform(root, "T_BS");
   return out;
 }
@@ -71,7 +77,7 @@ inline Calibration read_euroc_camera(const YamlMap& root) {
 inline Calibration read_kalibr_camera(const YamlMap& root) {
   const YamlMap map = root.map("cam0");
   map.allow_only({"T_cam_imu", "T_cn_cnm1", "cam_overlaps", "camera_model", "distortion_coeffs", "distortion_model",
-                  "intrinsics", "resolution", "rostopic", "timeshift_cam_imu"});
+                  "intrinsics", "resolution", "rostopic", "timeshift_cam_imu", "line_delay", "readout_s"});
   Calibration out;
   CameraCalibration& camera = out.camera;
   camera.intrinsics = map.numbers("intrinsics");
@@ -88,6 +94,8 @@ inline Calibration read_kalibr_camera(const YamlMap& root) {
   set_resolution(camera, map, "resolution");
   check_projection(camera, map, "intrinsics", "resolution");
   check_distortion(camera, map, camera.distortion == "none" ? "distortion_model" : "distortion_coeffs");
+  set_readout(camera, map, "line_delay", camera.height - 1);
+  set_readout(camera, map);
   if (map.has("T_cam_imu")) out.T_body_camera = rigid_transform(map, "T_cam_imu").inverse();
   if (map.has("timeshift_cam_imu")) out.camera_time_offset_s = map.number("timeshift_cam_imu", time_offset_range);
   return out;
@@ -98,7 +106,7 @@ inline Calibration read_kalibr_camera(const YamlMap& root) {
 /// describe how the calibration was made are passed over.
 inline Calibration read_opencv(const YamlMap& root) {
   root.allow_only({"image_width", "image_height", "camera_matrix", "distortion_model", "distortion_coefficients",
-                   "fisheye_model", "T_body_camera", "rate_hz", "depth_scale", "imu",
+                   "fisheye_model", "T_body_camera", "rate_hz", "readout_s", "depth_scale", "imu",
                    // how it was made
                    "calibration_time", "camera_name", "nframes", "nr_of_frames", "board_width", "board_height",
                    "square_size", "marker_size", "aspectRatio", "fix_aspect_ratio", "flags", "flagValue",
@@ -121,6 +129,7 @@ inline Calibration read_opencv(const YamlMap& root) {
   camera.distortion_coefficients = root.matrix("distortion_coefficients");
   check_projection(camera, root, "camera_matrix", "image_width");
   check_distortion(camera, root, "distortion_coefficients");
+  set_readout(camera, root);
   out.depth_scale = root.number_or("depth_scale", depth_scale_range, 0);
   if (root.has("imu")) set_imu(out, root.map("imu"), "rate_hz");
   if (root.has("T_body_camera") || out.imu) out.T_body_camera = rigid_transform(root, "T_body_camera");
