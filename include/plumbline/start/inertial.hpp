@@ -84,7 +84,10 @@ class InertialStart {
     const bool agree = bool(found);
     if (!is_of_use(found) && window_.has_rough()) {
       found = window_.align(T_body_cam, options, gravity, time_offset_s_);
-      if (found.contradicts()) window_.forget_rough();
+      if (found.contradicts()) {
+        has_estimate_ = false;
+        window_.forget_rough();
+      }
     }
     if (!is_of_use(found)) return false;
     found_ = found;
