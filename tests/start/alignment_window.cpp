@@ -121,7 +121,7 @@ TEST_CASE("alignment_window: poses follow the camera's clock when that turns out
   constexpr TimeNs step = 10'000'000;
   constexpr std::size_t late = 2, known = 70, count = 110;  // steps
   const test::SimulatedAlignment<double> s(1, 1.5, {0.02, -0.01, 0.05}, {0.1, 0.2, -0.15}, count, true, step);
-  const double step_s = double(step) * 1e-9, late_s = late * step_s;
+  const double fine_s = double(step) * 1e-9, late_s = late * fine_s;
   AlignmentWindow<double> window;
   for (std::size_t k = 0; k + late < count; ++k) {  // each image shows where the camera is some steps later
     auto readings = s.imu[k < known ? k : k + late];
@@ -131,7 +131,7 @@ TEST_CASE("alignment_window: poses follow the camera's clock when that turns out
         for (const ImuInterval<double>& d : s.imu[j].intervals()) readings.add(d);
       }
     }
-    window.add(TimeNs(k) * step, s.frames[k + late].T_ref_cam, readings, 4.9 * step_s, k < known ? 0 : late_s);
+    window.add(TimeNs(k) * step, s.frames[k + late].T_ref_cam, readings, 4.9 * fine_s, k < known ? 0 : late_s);
   }
   const auto thought = window.align(s.T_body_cam, {}, standard_gravity<double>, 0);
   const auto found = window.align(s.T_body_cam, {}, standard_gravity<double>, late_s);
