@@ -55,8 +55,8 @@ class Recovery {
     lost_frames_ = 0;
     begin(odometry, beginning, view);
   }
-  /// The frame has a pose.
-  void end(Odometry& odometry) {
+  /// What was lost is found again.
+  void found_pose(Odometry& odometry) {
     if (lost_frames_ > 0) odometry.motion.lose();
     lost_frames_ = 0;
   }
