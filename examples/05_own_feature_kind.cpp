@@ -79,6 +79,7 @@ struct PlaneKind {
       L /= scale;
     }
     void change_readout(S) {}
+    void set_motion(const auto&, S) {}
     void rescale(S) {}
   };
   struct Appearance {
@@ -95,6 +96,7 @@ struct PlaneKind {
   static void change_readout(Geometry&, const Observation&, S) {}
   static void set_range_in_anchor(Geometry&, Observation&, S) {}  // the shutter rolls too fast to mind
   static void set_range(const Geometry&, Observation&, const pl::SE3<S>&, S) {}
+  static void set_motion_in_anchor(Geometry&, Observation&, const auto&, S) {}
   static void step(Geometry& plane, const pl::Vec<S, dim>& d) { plane.pi += d; }
   static bool settle(Geometry& plane, const Observation&, const pl::Mat<S, dim, dim>* covariance) {
     if (covariance) plane.covariance = *covariance;
@@ -145,17 +147,15 @@ struct PlaneKind {
 
   // In one frame.
 
-  using Motion = pl::FrameLayout<Sensors::rolls>;
   struct InWorld {
     Geometry plane;
     pl::SE3<S> T_world_anchor;  ///< of its camera
     Observation seen;
   };
-  static InWorld in_world(const Geometry& plane, const Observation&, const Observation& current,
-                          const pl::SE3<S>& T_world_anchor) {
+  static InWorld in_world(const Geometry& plane, const Observation& current, const pl::SE3<S>& T_world_anchor) {
     return {plane, T_world_anchor, current};
   }
-  static pl::WhitenedRows<S, 3, Motion> pixel_rows(const Sensors&, const pl::BodyView<S>& view, const InWorld& plane) {
+  static pl::WhitenedRows<S, 3> pixel_rows(const Sensors&, const pl::BodyView<S>& view, const InWorld& plane) {
     const pl::Mat<S, 3, 3> R = view.R_cam_body * view.R_body_world * plane.T_world_anchor.R();
     const PlaneInCamera<S> lin(R, view.cam_point(plane.T_world_anchor.p()), plane.plane.pi, view.R_cam_body.transpose(),
                                view.p_body_cam);
@@ -163,8 +163,7 @@ struct PlaneKind {
     const pl::Mat<S, 3, 3> widened = plane.seen.covariance + lin.J_pi * plane.plane.covariance * lin.J_pi.transpose();
     const auto W = pl::square_root_information(widened);
     if (!W) return {};
-    return pl::WhitenedRows<S, 3, Motion>::of(*W, pl::Vec<S, 3>(lin.pi - plane.seen.pi), lin.J_pose,
-                                              pl::Vec<S, 3>::Zero());
+    return pl::WhitenedRows<S, 3>::of(*W, pl::Vec<S, 3>(lin.pi - plane.seen.pi), lin.J_pose);
   }
   static constexpr int depth_dim = 0;  // no rows beside these
 

@@ -19,7 +19,7 @@ std::optional<Innovation> innovation_of(const Sensors& rig,
                                         const plumbline::SE3<typename Sensors::Scalar>& T_world_anchor,
                                         const plumbline::BodyView<typename Sensors::Scalar>& view,
                                         const Landmark& landmark) {
-  const auto in_world = Kind::in_world(landmark.geometry, landmark.seen_by_anchor(), landmark.current, T_world_anchor);
+  const auto in_world = Kind::in_world(landmark.geometry, landmark.current, T_world_anchor);
   const auto rows = Kind::pixel_rows(rig, view, in_world);
   if (!rows.valid) return std::nullopt;
   return Innovation{Kind::error_px(rig, view, in_world), double(rows.r.norm())};

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <type_traits>
@@ -247,4 +248,78 @@ TEMPLATE_TEST_CASE("sliding_window: in fast rotation the prior holds the window 
     REQUIRE(sigma < before * std::sqrt(double(run.keyframes)));
     REQUIRE(run.error().template tail<3>().norm() < 5 * sigma);
   }
+}
+
+namespace {
+
+/// The run with a shutter that rolls for 20 ms, thought to read all rows at once: everything is seen where the rows saw
+/// it, from a camera that turns otherwise in every keyframe.
+template <class S>
+struct RollingRun : Run<S> {
+  static constexpr double readout = 0.02;
+  double found_s = 0, sigma_s = 0.02;
+
+  explicit RollingRun(std::uint64_t seed, double noise_scale) : Run<S>(seed, noise_scale) {
+    this->backend->believe_readout(0, sigma_s);
+  }
+  void observe_rolling(int slot) {
+    using Rolling = typename Run<S>::Sensors;
+    typename Rolling::Shutter::template Model<typename Rolling::Camera> shutter(this->rig.vision.camera, 480, S(0));
+    shutter.set_motion((0.6 * this->noise.template vector<3>()).template cast<S>(), Vec<S, 3>::Zero(), S(0.3));
+    const auto rolled = [&](auto& x, const auto& slope) { x -= float(readout - found_s) * slope; };
+    this->landmarks->for_each([&](auto& store) {
+      for (auto& landmark : store.landmarks()) {
+        auto& seen = landmark.observations[std::size_t(slot)];
+        if (!seen.valid) continue;
+        const Vec<S, 2> uv = seen.uv.template cast<S>();
+        seen.slope.set({shutter.still(uv, S(0)).slope.by_turn.template cast<float>(), Vec<float, 2>::Zero(), 0.3f});
+        rolled(seen.uv, seen.slope.get().by_turn);
+        landmark.current = seen;
+        if (landmark.anchor != slot) continue;
+        const auto slope = shutter.bearing_slope(uv, landmark.geometry.bearing, S(0));
+        landmark.geometry.slope.set({slope.by_turn, Vec<S, 3>::Zero(), S(0.3)});
+        landmark.geometry.bearing =
+            normalized(landmark.geometry.bearing - S(readout - found_s) * landmark.geometry.slope.get().by_turn);
+      }
+    });
+  }
+  void add_keyframe() {
+    this->make_room();
+    Run<S>::add_keyframe();
+    observe_rolling(this->backend->window().newest());
+    this->optimize();
+    ReadoutCorrection found;
+    if (!this->backend->find_readout(this->rig, {}, *this->landmarks, found)) return;
+    found_s += found.value_s;
+    sigma_s = found.sigma_s;
+    this->backend->set_readout(found_s);
+    this->landmarks->for_each([&](auto& store) { store.change_readout(S(found.value_s)); });
+  }
+};
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("sliding_window: without noise the readout time of the shutter is found", "", float, double) {
+  RollingRun<TestType> run(1, 0);
+  for (int k = 0; k < 12; ++k) run.add_keyframe();
+  CAPTURE(run.found_s, run.sigma_s, run.error().norm());
+  REQUIRE(run.retirements > 4);
+  REQUIRE(run.found_s == Approx(run.readout).margin(2e-5));
+  REQUIRE(run.error().norm() < 2e-3);
+}
+
+TEST_CASE("sliding_window: the readout time is as far off as its sigma says, frames and landmarks being unknown") {
+  double squares = 0, worst_sigma = 0;
+  const int runs = 20;
+  for (int n = 0; n < runs; ++n) {
+    RollingRun<double> run(std::uint64_t(n) + 1, 1);
+    for (int k = 0; k < 12; ++k) run.add_keyframe();
+    squares += std::pow((run.found_s - run.readout) / run.sigma_s, 2);
+    worst_sigma = std::max(worst_sigma, run.sigma_s);
+    REQUIRE(run.error().norm() < 0.05);
+  }
+  CAPTURE(squares, worst_sigma);
+  REQUIRE(worst_sigma < 1e-3);
+  REQUIRE(squares / runs > 0.3);
+  REQUIRE(squares / runs < 2.2);
 }

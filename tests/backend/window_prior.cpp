@@ -20,6 +20,10 @@ namespace {
 constexpr int slots = 4, max_rows = 12, max_columns = 4;
 constexpr int pose_dim = state::Pose::dim;
 
+struct NoSlopes {
+  double operator[](int) const { return 0; }
+};
+
 template <class S, class Layout>
 struct Scene {
   static constexpr int frame_dim = Layout::dim, at_extrinsics = slots * frame_dim,
@@ -137,7 +141,7 @@ struct Scene {
       J.middleCols<extrinsics_dim>(at_extrinsics) =
           together * window.extrinsics().first_estimate().template cast<double>().adjoint();
     }
-    prior.add_landmark(landmark, pairs);
+    prior.add_landmark(landmark, pairs, NoSlopes{});
     const Dense Q = orthogonal_to(J_l);
     append(Q * J, Q * (r - J * corrections()));
   }
@@ -294,4 +298,78 @@ TEMPLATE_LIST_TEST_CASE("window_prior: rows that are no numbers are lost, and wi
   scene.retire(2);
   scene.A = A;  // frame 2 was unknown before: all stays as it is
   scene.require_same();
+}
+
+namespace {
+
+/// Two frames of a shutter that rolls, and a prior on the readout time of 0.01 s with a sigma of 0.02 s.
+struct RollingScene : Scene<double, VisualLayout> {
+  using Rolling = WindowPrior<Window, max_rows, max_columns, true>;
+  static constexpr double value = 0.01, sigma = 0.02;
+  Rolling rolling;
+
+  RollingScene() : Scene<double, VisualLayout>(5) {
+    insert(0);
+    insert(1);
+    insert(2);
+    rolling.believe_readout(value, sigma);
+    rolling.set(window, 0, random<double, 6, 6>());
+  }
+  struct Slopes {
+    Vec<double, max_rows> values;
+    double operator[](int k) const { return values[k]; }
+  };
+  /// All landmarks of frame 0 leave with it.
+  void retire_first(int count, double walk_s) {
+    rolling.begin_retirement(window);
+    for (int n = 0; n < count; ++n) {
+      LandmarkElimination<double, 1, pose_dim, slots, max_rows> landmark;
+      landmark.reset(0);
+      for (const int k : {1, 2})
+        landmark.add<3>(k, random<double, 3, pose_dim>(), random<double, 3, 1>(), random<double, 3, 1>());
+      rolling.add_landmark(landmark, pairs, Slopes{100 * random<double, max_rows, 1>()});
+    }
+    rolling.retire(window, 0, walk_s);
+  }
+  /// Information on the readout and its gradient, the frames being estimated with it.
+  ReadoutBorder reduced() const {
+    Equations equations;
+    equations.reset(Equations::max_blocks);
+    rolling.add_to(window, equations);
+    Eigen::VectorXd column = Eigen::VectorXd::Zero(dim);
+    ReadoutBorder border;
+    rolling.add_readout_to(window, column, border);
+    const Dense H = Dense(equations.H().template selfadjointView<Eigen::Lower>());
+    const Eigen::VectorXd x = H.completeOrthogonalDecomposition().solve(column);
+    return {border.information - column.dot(x), border.gradient - x.dot(equations.b())};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("window_prior: what is known of the readout time, and what its change costs") {
+  RollingScene scene;
+  CHECK(scene.reduced().information == Approx(1 / (scene.sigma * scene.sigma)));
+  CHECK(scene.reduced().gradient == Approx(-scene.value / (scene.sigma * scene.sigma)));
+  scene.rolling.set_readout(0.03);
+  CHECK(scene.reduced().gradient == Approx((0.03 - scene.value) / (scene.sigma * scene.sigma)));
+  CHECK(scene.rolling.cost(scene.window) == Approx(0.5));
+}
+
+TEST_CASE("window_prior: landmarks that leave leave what they say of the readout time") {
+  RollingScene scene, walked;
+  scene.retire_first(12, 0);
+  walked.retire_first(12, 0.01);
+  const ReadoutBorder after = scene.reduced(), doubted = walked.reduced();
+  CHECK(after.information > 2 / (scene.sigma * scene.sigma));
+  // The estimate is the same, its variance has grown.
+  CHECK(doubted.gradient / doubted.information == Approx(after.gradient / after.information));
+  CHECK(1 / doubted.information == Approx(1 / after.information + 0.01 * 0.01));
+  // A change of the readout is a change of the residuals.
+  const double before = scene.rolling.cost(scene.window);
+  scene.rolling.set_readout(1e-3);
+  const ReadoutBorder moved = scene.reduced();
+  CHECK(moved.information == Approx(after.information));
+  CHECK(moved.gradient == Approx(after.gradient + 1e-3 * after.information));
+  CHECK(scene.rolling.cost(scene.window) != Approx(before));
 }

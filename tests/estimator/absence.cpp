@@ -96,7 +96,6 @@ TEST_CASE("absence: a landmark of a global shutter without depth is its geometry
   STATIC_REQUIRE(sizeof(Deep::Observation) > sizeof(Seen));
   STATIC_REQUIRE(sizeof(Rolled::Observation) > sizeof(Seen));
   STATIC_REQUIRE((Bare::rows_per_view == 2 && Deep::rows_per_view == 3));
-  STATIC_REQUIRE((Bare::Motion::dim == 6 && Rolled::Motion::dim == 7));
 
   using BareLine = LineKind<RigOf<false, false, false>>;
   using DeepLine = LineKind<RigOf<false, true, false>>;

@@ -29,7 +29,6 @@ using MonoLines = SeenLines<S, Rig<Mono<Pinhole<S>, 64 * 64>>>;
 // Of a rig with a global shutter no slopes.
 static_assert(sizeof(MonoLines<double>::Kind::InWorld) < sizeof(RgbdLines<double>::Kind::InWorld));
 static_assert(MonoLines<float>::Kind::rows_per_view == 2 && RgbdLines<float>::Kind::rows_per_view == 4);
-static_assert(MonoLines<float>::Kind::Motion::dim == 6 && RgbdLines<float>::Kind::Motion::dim == 7);
 
 template <class S>
 constexpr double tolerance = std::is_same_v<S, float> ? 1e-3 : 1e-11;
@@ -190,7 +189,7 @@ TEMPLATE_TEST_CASE("line_kind: rows in one frame are those of the residuals, wid
     const auto& seen = landmark.observations[3];
     const SE3<S> T_world_anchor = scene.window.T_world_body(landmark.anchor) * scene.T_body_cam.template cast<S>();
     const BodyView<S> body(scene.window.T_world_body(3), scene.T_body_cam.template cast<S>());
-    const auto in_world = Kind::in_world(landmark.geometry, landmark.seen_by_anchor(), seen, T_world_anchor);
+    const auto in_world = Kind::in_world(landmark.geometry, seen, T_world_anchor);
     REQUIRE(Kind::has_depth(in_world) == seen.has_depth());
     const Mat<double, 6, 4> M =
         (plucker_transform(T_world_anchor) * landmark.geometry.line.plucker_jacobian()).template cast<double>();

@@ -31,7 +31,6 @@ static_assert(sizeof(MonoKind<float>::Geometry) == 5 * sizeof(float));
 static_assert(sizeof(RgbdKind<float>::Geometry) == 12 * sizeof(float));
 static_assert(sizeof(MonoKind<double>::InWorld) < sizeof(RgbdKind<double>::InWorld));
 static_assert(MonoKind<float>::rows_per_view == 2 && RgbdKind<float>::rows_per_view == 3);
-static_assert(MonoKind<float>::Motion::dim == 6 && RgbdKind<float>::Motion::dim == 7);
 
 /// A point in front of two bodies, some pixels off where the second one saw it.
 template <class Kind>
@@ -162,7 +161,7 @@ TEMPLATE_TEST_CASE("point_kind: rows in one frame are those of the residuals, wh
     s.point.sigma_inverse_range = S(sigma_lambda);
     const SE3<S> T_world_anchor_cam = s.T_world_anchor * s.T_body_cam;
     const BodyView<S> body(s.T_world_target, s.T_body_cam);
-    const auto in_world = Kind::in_world(s.point, {}, s.seen, T_world_anchor_cam);
+    const auto in_world = Kind::in_world(s.point, s.seen, T_world_anchor_cam);
     REQUIRE((in_world.p_world - T_world_anchor_cam * Kind::middle(s.point)).norm() == 0);
     const auto pixel = Kind::pixel_rows(s.rig, body, in_world);
     const auto depth = Kind::depth_rows(body, in_world);

@@ -201,7 +201,7 @@ TEMPLATE_TEST_CASE("window_terms: landmarks that take no part add nothing and ar
   REQUIRE(scene.terms->solve(*scene.store, scene.pairs, Eigen::VectorXd::Ones(scene.pose_dim).eval(), 6) == 0);
   scene.terms->step(*scene.store);
   scene.terms->for_each_leaving(1, scene.rig, *scene.store, scene.window, scene.views,
-                                [](const auto&) { FAIL("nothing leaves"); });
+                                [](const auto&, const auto&) { FAIL("nothing leaves"); });
 }
 
 TEMPLATE_TEST_CASE("window_terms: frames that are no longer in the window are not asked", "", SCENES) {

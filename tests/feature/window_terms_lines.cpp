@@ -273,23 +273,25 @@ TEST_CASE("window_terms (lines): what leaves with a keyframe") {
   Scene<double> scene(6);
   scene.store->landmarks()[5].observations[2].valid = false;
   int anchored = 0;
-  scene.terms->for_each_leaving(0, scene.rig, *scene.store, scene.window, scene.views, [&](const auto& rows) {
-    ++anchored;
-    REQUIRE(rows.rows() == 16);  // all four views
-  });
+  scene.terms->for_each_leaving(0, scene.rig, *scene.store, scene.window, scene.views,
+                                [&](const auto& rows, const auto&) {
+                                  ++anchored;
+                                  REQUIRE(rows.rows() == 16);  // all four views
+                                });
   REQUIRE(anchored == 3);  // and those of keyframe 1 are not seen by keyframe 0
 
   int tied = 0;
   Mat<double, 12, 12> information = Mat<double, 12, 12>::Zero();  // on keyframes 1 and 2
-  scene.terms->for_each_leaving(2, scene.rig, *scene.store, scene.window, scene.views, [&](const auto& rows) {
-    ++tied;
-    REQUIRE(rows.rows() == 6);  // the anchor's pixels and its own pixels and depth
-    Eigen::Matrix<double, 30, 4 + 30 + 1> work;
-    const int rank = rows.reduced_rows(work, scene.pairs);
-    REQUIRE(rank == 4);
-    const Eigen::MatrixXd J = work.block(rank, 4 + 6, rows.rows() - rank, 12);
-    information += J.transpose() * J;
-  });
+  scene.terms->for_each_leaving(2, scene.rig, *scene.store, scene.window, scene.views,
+                                [&](const auto& rows, const auto&) {
+                                  ++tied;
+                                  REQUIRE(rows.rows() == 6);  // the anchor's pixels and its own pixels and depth
+                                  Eigen::Matrix<double, 30, 4 + 30 + 1> work;
+                                  const int rank = rows.reduced_rows(work, scene.pairs);
+                                  REQUIRE(rank == 4);
+                                  const Eigen::MatrixXd J = work.block(rank, 4 + 6, rows.rows() - rank, 12);
+                                  information += J.transpose() * J;
+                                });
   REQUIRE(tied == 5);
   // Two keyframes are tied by lines with depth; the place of both together is free.
   const Eigen::LDLT<Mat<double, 6, 6>> relative(information.bottomRightCorner<6, 6>());

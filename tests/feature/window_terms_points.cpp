@@ -276,12 +276,13 @@ TEMPLATE_TEST_CASE("window_terms (points): what leaves with a keyframe, against 
   BoundedMatrix<double, max_rows, pose_dim + 2> work;
   Eigen::MatrixXd found = Eigen::MatrixXd::Zero(pose_dim, pose_dim + 1), expected = found;
   int anchored = 0, others = 0;
-  scene.terms->for_each_leaving(leaving, scene.rig, scene.store, scene.window, scene.views, [&](const auto& landmark) {
-    work.resize(landmark.rows(), pose_dim + 2);
-    const int rank = landmark.reduced_rows(work, scene.pairs, 6), n = landmark.rows() - rank;
-    const Eigen::MatrixXd rows = work.block(rank, 1, n, pose_dim + 1);
-    found += rows.leftCols(pose_dim).transpose() * rows;
-  });
+  scene.terms->for_each_leaving(
+      leaving, scene.rig, scene.store, scene.window, scene.views, [&](const auto& landmark, const auto&) {
+        work.resize(landmark.rows(), pose_dim + 2);
+        const int rank = landmark.reduced_rows(work, scene.pairs, 6), n = landmark.rows() - rank;
+        const Eigen::MatrixXd rows = work.block(rank, 1, n, pose_dim + 1);
+        found += rows.leftCols(pose_dim).transpose() * rows;
+      });
   for (std::size_t i = 0; i < scene.store.landmarks().size(); ++i) {
     const auto& landmark = scene.store.landmarks()[i];
     const bool leaves = landmark.anchor == leaving;

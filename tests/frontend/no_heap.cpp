@@ -10,6 +10,7 @@
 #include "estimator/simulation.hpp"
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/feature/motion_estimate.hpp"
+#include "plumbline/feature/row_motion.hpp"
 #include "plumbline/feature/row_ranges.hpp"
 #include "plumbline/feature/window_terms.hpp"
 #include "plumbline/frontend/flow.hpp"
@@ -55,6 +56,7 @@ TEST_CASE("no heap: see, follow, agree, estimate, refine, locate, record, linear
 
   int estimated = 0, tracked = 0;
   bool eliminated = true;
+  ReadoutBorder border;
   double cost = 0;
   const long allocations = test::allocations_of([&] {
     for (int i = 0; i < 6; ++i) {
@@ -76,8 +78,8 @@ TEST_CASE("no heap: see, follow, agree, estimate, refine, locate, record, linear
       }
       if (window->full()) {
         const int oldest = window->oldest();
-        points->for_each_leaving(oldest, rig, landmarks->get<0>(), *window, *views, [](const auto&) {});
-        lines->for_each_leaving(oldest, rig, landmarks->get<1>(), *window, *views, [](const auto&) {});
+        points->for_each_leaving(oldest, rig, landmarks->get<0>(), *window, *views, [](const auto&, const auto&) {});
+        lines->for_each_leaving(oldest, rig, landmarks->get<1>(), *window, *views, [](const auto&, const auto&) {});
         landmarks->for_each([&](auto& store) { store.remove_frame(oldest); });
         window->remove(oldest);
       }
@@ -100,6 +102,11 @@ TEST_CASE("no heap: see, follow, agree, estimate, refine, locate, record, linear
       lines->step(landmarks->get<1>());
       points->finish(rig, landmarks->get<0>(), *window, *views, *pairs);
       lines->finish(rig, landmarks->get<1>(), *window, *views, *pairs);
+      pairs->reset();
+      points->exchange_residuals(rig, landmarks->get<0>(), *window, *views, *pairs, border);
+      lines->exchange_residuals(rig, landmarks->get<1>(), *window, *views, *pairs, border);
+      points->subtract_eliminated(landmarks->get<0>(), border);
+      set_motion(*landmarks, window->newest(), view, 0.01f);
       landmarks->for_each([&](auto& store) {
         store.change_readout(1e-4f);
         set_ranges(store, *window, T, SE3<float>(), 0.01f, /*all=*/true);
@@ -111,5 +118,6 @@ TEST_CASE("no heap: see, follow, agree, estimate, refine, locate, record, linear
   REQUIRE(estimated == 5);
   REQUIRE(tracked > 50);
   REQUIRE(eliminated);
+  REQUIRE(border.information > 0);
   REQUIRE(cost > 0);
 }

@@ -14,23 +14,11 @@ namespace {
 template <class S, class Shutter>
 using RigOf = Rig<Mono<Pinhole<S>, 64 * 64, Shutter>>;
 
-/// A frame that says that the readout is `error` too long.
-template <class S>
-typename ReadoutFilter<S>::Equations frame(S error) {
-  typename ReadoutFilter<S>::Equations system;
-  for (int k = 0; k < 7; ++k) {
-    Mat<S, 1, 7> J = Mat<S, 1, 7>::Zero();
-    J(k) = S(1000);
-    system.add(J, Vec<S, 1>(k == 6 ? J(k) * error : S(0)), S(1));
-  }
-  return system;
-}
-
 }  // namespace
 
 // The readout of a global shutter takes no memory.
 static_assert(sizeof(RigState<RigOf<float, Global>>) == sizeof(SE3<float>));
-static_assert(sizeof(RigState<RigOf<float, Rolling>>) >= sizeof(SE3<float>) + sizeof(ReadoutFilter<float>));
+static_assert(sizeof(RigState<RigOf<float, Rolling>>) >= sizeof(SE3<float>) + sizeof(ReadoutBelief<float>));
 
 TEMPLATE_TEST_CASE("rig_state: what is found out about the readout is in force", "", float, double) {
   using S = TestType;
@@ -39,10 +27,10 @@ TEMPLATE_TEST_CASE("rig_state: what is found out about the readout is in force",
   RigState<RigOf<S, Rolling>> rig_state(rig, {});
   REQUIRE(rig_state.readout().value_s == S(0.01));
   REQUIRE(rig_state.readout().sigma_s == S(0.02));
-  const S change = rig_state.update_readout(frame<S>(S(-0.01)), S(0.03));
-  REQUIRE(change > S(0.005));
-  REQUIRE(rig_state.readout().value_s == S(0.01) + change);
-  REQUIRE(rig_state.readout().sigma_s < S(0.01));
+  REQUIRE(rig_state.correct_readout(S(0.01), S(0.001)) == Approx(0.01));
+  REQUIRE(rig_state.readout().value_s == Approx(0.02));
+  REQUIRE(rig_state.found_readout_s() == rig_state.readout().value_s);
+  REQUIRE(rig_state.readout().sigma_s == S(0.001));
   REQUIRE(rig.vision.readout.get().value_s == S(0.01));  // the calibration stays as it is
 }
 
@@ -52,7 +40,7 @@ TEMPLATE_TEST_CASE("rig_state: a global shutter has a readout of zero, and nothi
   RigState<RigOf<S, Global>> rig_state(rig, {});
   REQUIRE(rig_state.readout().value_s == 0);
   REQUIRE(rig_state.readout().sigma_s == 0);
-  REQUIRE(rig_state.update_readout(frame<S>(S(-0.01)), S(0.03)) == 0);
+  REQUIRE(rig_state.correct_readout(S(0.01), S(0.001)) == 0);
   REQUIRE(rig_state.readout().value_s == 0);
 }
 
@@ -60,7 +48,7 @@ TEST_CASE("rig_state: a readout that is known stays as it is") {
   RigOf<double, Rolling> rig{};
   rig.vision.readout.set({0.01, 0});
   RigState<RigOf<double, Rolling>> rig_state(rig, {});
-  REQUIRE(rig_state.update_readout(frame<double>(-0.01), 0.03) == 0);
+  REQUIRE(rig_state.correct_readout(0.01, 0.001) == 0);
   REQUIRE(rig_state.readout().value_s == 0.01);
 }
 

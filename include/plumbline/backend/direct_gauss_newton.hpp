@@ -42,6 +42,13 @@ class DirectBackend {
   Window& window() { return bundle_.window(); }
   const Links& links() const { return bundle_.links(); }
 
+  void believe_readout(double value_s, double sigma_s) { bundle_.believe_readout(value_s, sigma_s); }
+  void set_readout(double value_s) { bundle_.set_readout(value_s); }
+  bool find_readout(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks,
+                    ReadoutCorrection& out) requires Sensors::rolls {
+    return bundle_.find_readout(rig, T_body_cam, landmarks, out);
+  }
+
   int start(TimeNs t_ns, const State& x) {
     alone_ = false;
     const int slot = bundle_.start(t_ns, x);

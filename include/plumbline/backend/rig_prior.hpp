@@ -56,7 +56,7 @@ class RigPrior {
     }
     return sum;
   }
-  /// To the equations of what is seen; other rows are added after.
+  /// To the equations of what is seen.
   void add_to(const auto& window, auto& equations) const {
     if constexpr (has_extrinsics<Layout>) {
       equations.add_extrinsics(window, extrinsics_.get());

@@ -7,12 +7,17 @@
 /// anchored in it, into the next (r0, J0). What a frame's state is, and which links hold, is the motion model's: a
 /// camera alone has poses and no links, docs/math/inertial_window.md has both.
 
+#include <cmath>
+
 #include "plumbline/backend/backend.hpp"
 #include "plumbline/backend/rig_prior.hpp"
 #include "plumbline/backend/window_equations.hpp"
 #include "plumbline/backend/window_prior.hpp"
+#include "plumbline/backend/window_problem.hpp"
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/core/time.hpp"
 #include "plumbline/feature/landmark_ties.hpp"
+#include "plumbline/feature/readout_slopes.hpp"
 #include "plumbline/feature/window_terms.hpp"
 #include "plumbline/feature/window_views.hpp"
 #include "plumbline/frontend/flow.hpp"
@@ -32,6 +37,7 @@ struct WindowOptions {
   double sigma_first_scale = 1e-3;     ///< of the distance of the first two keyframes where it is the unit, relative
   ExtrinsicsOptions extrinsics;        ///< of the camera on a body with an IMU
   TimeOffsetOptions time_offset;       ///< of its clock
+  double readout_walk = 1e-3;  ///< of the shutter's readout time, for what a frame's motion is wrong by [s/sqrt(s)]
 };
 
 template <MotionModel Motion, class LandmarksT, int K>
@@ -46,6 +52,7 @@ class WindowBackend {
   using Landmarks = LandmarksT;
   using Window = FrameWindow<S, Layout, K>;
   using Options = WindowOptions;
+  using Normal = typename WindowEquations<Window>::Normal;
 
   WindowBackend(const Options& options, const typename Motion::Options& motion)
       : options_(options), links_(motion), known_(options.extrinsics, options.time_offset) {}
@@ -55,10 +62,16 @@ class WindowBackend {
   const Links& links() const { return links_; }
   Links& links() { return links_; }
 
+  /// What is known of the readout time of a shutter that rolls, from the next `start` on.
+  void believe_readout(double value_s, double sigma_s) { prior_.believe_readout(value_s, sigma_s); }
+  /// The readout time that observations have been brought to the middle of their frames with.
+  void set_readout(double value_s) { prior_.set_readout(value_s); }
+
   /// Forgets everything and begins with one frame at a pose that defines the world. Returns its slot.
   int start(TimeNs t_ns, const State& x) {
     window_.clear();
     links_.deactivate();
+    left_ns_ = t_ns;
     const int slot = insert(t_ns, x, {});
     Mat<double, state::Pose::dim, state::Pose::dim> J = zeros<double, state::Pose::dim, state::Pose::dim>();
     for (int k = 0; k < state::Pose::dim; ++k) {
@@ -148,6 +161,22 @@ class WindowBackend {
     return summary;
   }
 
+  /// After `optimize`, of a shutter that rolls: by how much all that the window knows says that the readout time is wrong,
+  /// frames and landmarks being estimated with it; false when it does not say.        docs/math/rolling_shutter.md (3)
+  bool find_readout(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks,
+                    ReadoutCorrection& out) requires Sensors::rolls {
+    const typename Normal::Vector b = equations_.normal.b();
+    Problem problem{*this, rig, landmarks, T_body_cam};
+    ReadoutBorder border;
+    typename Normal::Vector column, x;
+    if (!problem.border_by_readout(options_.solver.mu_min, column, border)) return false;
+    if (!equations_.normal.solve(0, column, x)) return false;
+    const double information = border.information + column.dot(x), gradient = border.gradient + b.dot(x);
+    if (!(information > 0) || !std::isfinite(gradient)) return false;
+    out = {-gradient / information, 1 / std::sqrt(information)};
+    return true;
+  }
+
   /// Turns the frame in `slot`, all landmarks anchored in it and its observations of others into prior information on
   /// the frames that stay, and hands them to the map.
   void retire(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks, int slot, auto& map) {
@@ -158,11 +187,14 @@ class WindowBackend {
     links_.for_each_row(window_, slot, [&](const auto&... row) { prior_.add_link(row...); });
     links_.remove(slot);
     landmarks.for_each_with(terms_, [&](auto& store, auto& terms) {
-      terms.for_each_leaving(slot, rig, store, window_, views_,
-                             [&](const auto& landmark) { prior_.add_landmark(landmark, equations_.pairs); });
+      terms.for_each_leaving(slot, rig, store, window_, views_, [&](const auto& landmark, const auto& slopes) {
+        prior_.add_landmark(landmark, equations_.pairs, slopes);
+      });
       store.remove_frame(slot);
     });
-    prior_.retire(window_, slot);
+    const double left_s = seconds_between(left_ns_, window_[slot].t_ns);
+    left_ns_ = window_[slot].t_ns;
+    prior_.retire(window_, slot, options_.readout_walk * std::sqrt(std::abs(left_s)));
   }
 
   /// Covariance of the leading blocks of the newest frame, its pose first, given the whole window; false when it is not
@@ -181,73 +213,11 @@ class WindowBackend {
   }
 
  private:
+  using Problem = WindowProblem<WindowBackend>;
+  friend Problem;
   template <class Store>
   using Terms = WindowTerms<Store>;
   using AllTerms = typename Landmarks::template TupleOf<Terms>;
-
-  /// What the solver sees of the window; `views_` are those of the state, or of the trial.
-  struct Problem {
-    WindowBackend& self;
-    const Sensors& rig;
-    Landmarks& landmarks;
-    SE3<S> T_body_cam;
-
-    double linearize() {
-      self.begin_linearization();
-      double cost = self.cost_of_frames();
-      landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
-        cost += terms.linearize(rig, store, self.window_, self.views_, self.equations_.pairs);
-      });
-      return cost + self.ties_.linearize(landmarks, self.views_);
-    }
-
-    /// The equations of the frames alone.
-    bool eliminate(double mu) {
-      self.equations_.begin();
-      self.equations_.pairs.add_to(self.equations_.normal);
-      for (int anchor = 0; anchor < K; ++anchor) {
-        bool eliminated = true;
-        self.equations_.products.reset();
-        landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
-          eliminated = eliminated && terms.eliminate(store, S(mu), anchor, self.equations_.products);
-        });
-        if (!eliminated) return false;
-        self.equations_.products.subtract_from(self.equations_.normal, anchor, self.equations_.pairs);
-      }
-      self.ties_.eliminate(landmarks, self.terms_, self.equations_.pairs, self.equations_.normal);
-      self.known_.add_to(self.window_, self.equations_);
-      self.equations_.add_known(self.window_, self.prior_, self.links_);
-      return true;
-    }
-
-    bool solve(double mu, double& predicted_decrease) {
-      if (!eliminate(mu) || !self.equations_.normal.solve(mu, self.equations_.step)) return false;
-      predicted_decrease = self.equations_.normal.predicted_decrease(mu, self.equations_.step);
-      landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
-        predicted_decrease += terms.solve(store, self.equations_.pairs, self.equations_.step, Layout::dim);
-      });
-      predicted_decrease += self.ties_.solve(self.terms_, self.equations_.step, Layout::dim);
-      return true;
-    }
-
-    double try_step() {
-      self.backup_ = self.window_;
-      self.window_.move(self.equations_.step);
-      landmarks.for_each_with(self.terms_, [](auto& store, auto& terms) { terms.step(store); });
-      self.views_.update(self.window_, T_body_cam);
-      double cost = self.cost_of_frames();
-      landmarks.for_each_with(
-          self.terms_, [&](auto& store, auto& terms) { cost += terms.cost(rig, store, self.window_, self.views_); });
-      return cost + self.ties_.cost(landmarks, self.views_);
-    }
-
-    void accept() {}
-    void reject() {
-      self.window_ = self.backup_;
-      self.views_.update(self.window_, T_body_cam);
-      landmarks.for_each_with(self.terms_, [](auto& store, auto& terms) { terms.restore(store); });
-    }
-  };
 
   double cost_of_frames() const { return prior_.cost(window_) + links_.cost(window_) + known_.cost(window_); }
 
@@ -275,6 +245,7 @@ class WindowBackend {
   [[no_unique_address]] RigPrior<Layout> known_;
   WindowEquations<Window> equations_;
   AllTerms terms_;
+  TimeNs left_ns_ = 0;  ///< of the frame that left last
   [[no_unique_address]] LandmarkTies<Landmarks> ties_;
 };
 

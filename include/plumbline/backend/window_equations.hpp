@@ -56,31 +56,36 @@ struct WindowEquations {
 
   void begin() { normal.reset(Normal::max_blocks); }
 
-  /// (6), of what was added so far, E at the mount's first estimate; and the prior of the mount.
-  void add_extrinsics(const Window& window, const ExtrinsicsPrior& prior) {
-    if (!window.estimates_extrinsics()) return;
-    const Pose E = window.extrinsics().first_estimate().template cast<double>().adjoint();
-    Pose of_all = zeros<Pose>();
-    for (int k = 0; k < slots; ++k) {
-      Pose of_frame = zeros<Pose>();
-      for (int j = 0; j < slots; ++j) {
-        for (int c = 0; c < state::Pose::dim; ++c) {
-          for (int r = 0; r < state::Pose::dim; ++r) {
-            const int row = at(j, r), column = at(k, c);
-            of_frame(r, c) += row > column ? normal.H()(row, column) : normal.H()(column, row);
+  /// (6), of what was added so far, E at the mount's first estimate.
+  void add_extrinsics(const Window& window) {
+    if constexpr (has_extrinsics<Layout>) {
+      if (!window.estimates_extrinsics()) return;
+      const Pose E = window.extrinsics().first_estimate().template cast<double>().adjoint();
+      Pose of_all = zeros<Pose>();
+      for (int k = 0; k < slots; ++k) {
+        Pose of_frame = zeros<Pose>();
+        for (int j = 0; j < slots; ++j) {
+          for (int c = 0; c < state::Pose::dim; ++c) {
+            for (int r = 0; r < state::Pose::dim; ++r) {
+              const int row = at(j, r), column = at(k, c);
+              of_frame(r, c) += row > column ? normal.H()(row, column) : normal.H()(column, row);
+            }
           }
         }
+        normal.add_block(rig, k, Pose(E.transpose() * of_frame));
+        of_all += of_frame;
       }
-      normal.add_block(rig, k, Pose(E.transpose() * of_frame));
-      of_all += of_frame;
+      normal.add_block(rig, rig, Pose(E.transpose() * of_all * E));
+      Vec<double, state::Pose::dim> b = zeros<double, state::Pose::dim>();
+      for (int k = 0; k < slots; ++k) {
+        for (int c = 0; c < state::Pose::dim; ++c) b[c] += normal.b()[at(k, c)];
+      }
+      normal.add_gradient(rig, Vec<double, state::Pose::dim>(E.transpose() * b));
     }
-    normal.add_block(rig, rig, Pose(E.transpose() * of_all * E));
-    Vec<double, state::Pose::dim> b = zeros<double, state::Pose::dim>();
-    for (int k = 0; k < slots; ++k) {
-      for (int c = 0; c < state::Pose::dim; ++c) b[c] += normal.b()[at(k, c)];
-    }
-    normal.add_gradient(rig, Vec<double, state::Pose::dim>(E.transpose() * b));
-    prior.add_to(cast_to<double>(window.extrinsics().correction()), rig, normal);
+  }
+  /// What was known of the mount.
+  void add_extrinsics(const Window& window, const ExtrinsicsPrior& prior) {
+    if (window.estimates_extrinsics()) prior.add_to(cast_to<double>(window.extrinsics().correction()), rig, normal);
   }
 
   /// What was known of the camera's clock.

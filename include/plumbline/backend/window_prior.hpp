@@ -2,13 +2,16 @@
 /// What is known of the frames of a window besides their rows: r0 + J0 e, e the corrections of all of them, by slot,
 /// and those of the camera's mount and clock.                                                 docs/math/window.md
 /// The prior keeps columns for every slot; those of free slots, and of frames that it knows nothing of, are zero.
+/// Of a shutter that rolls the last column is that of the readout time, whose correction is its value.
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include "plumbline/core/assert.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/present.hpp"
+#include "plumbline/feature/readout_slopes.hpp"
 #include "plumbline/feature/window_views.hpp"
 #include "plumbline/solver/marginalization.hpp"
 #include "plumbline/solver/normal_equations.hpp"
@@ -16,29 +19,40 @@
 
 namespace plumbline {
 
-/// `max_rows`, `max_columns`: of one landmark of any kind.
-template <class Window, int max_rows, int max_columns>
+/// `max_rows`, `max_columns`: of one landmark of any kind; `rolls`: so does the shutter.
+template <class Window, int max_rows, int max_columns, bool rolls = false>
 class WindowPrior {
  public:
   static constexpr int frame_dim = Window::Layout::dim, extrinsics_dim = state::Extrinsics::dim;
   using Rig = RigLayout<typename Window::Layout>;
   static constexpr int at_rig = Window::slots * frame_dim;  ///< its first column
-  static constexpr int at_extrinsics = at_rig, at_time_offset = at_rig + extrinsics_dim, dim = at_rig + Rig::dim;
+  static constexpr int at_extrinsics = at_rig, at_time_offset = at_rig + extrinsics_dim;
+  static constexpr int at_readout = at_rig + Rig::dim, dim = at_readout + (rolls ? 1 : 0);
   using Vector = Vec<double, dim>;
   using Adjoint = Mat<double, extrinsics_dim, extrinsics_dim>;
 
   WindowPrior() { H_.resize(dim, dim); }
 
-  /// Rows J on one frame alone, which is its own first estimate; nothing else is known.
+  /// What is known of the readout time, from the next `set` on [s]; sigma 0: it is known.
+  void believe_readout(double value_s, double sigma_s) { readout_ = {value_s, sigma_s}; }
+  /// The value that is in force [s].
+  void set_readout(double value_s) { readout_s_ = value_s; }
+
+  /// Rows J on one frame alone, which is its own first estimate; nothing else is known, but of the readout time.
   template <int Rows>
   void set(Window& window, int slot, const Mat<double, Rows, frame_dim>& J) {
-    prior_.J0.resize(Rows, dim);
+    const bool finds_readout = rolls && readout_.sigma_s > 0;
+    prior_.J0.resize(Rows + finds_readout, dim);
     set_zero(prior_.J0);
     for (int c = 0; c < frame_dim; ++c) {
       for (int k = 0; k < Rows; ++k) prior_.J0(k, slot * frame_dim + c) = J(k, c);
     }
-    prior_.r0.resize(Rows);
+    prior_.r0.resize(Rows + finds_readout);
     set_zero(prior_.r0);
+    if (finds_readout) {
+      prior_.J0(Rows, at_readout) = 1 / readout_.sigma_s;
+      prior_.r0[Rows] = -readout_.value_s / readout_.sigma_s;
+    }
     prior_.information(H_);
     window.state(slot).fix_first_estimates();
   }
@@ -90,8 +104,14 @@ class WindowPrior {
 
   template <class Equations>
   void add_to(const Window& window, Equations& equations) const {
-    equations.add(H_);
-    equations.add_gradient(prior_.gradient(prior_.residual(corrections(window))));
+    equations.add(H_.topLeftCorner(at_readout, at_readout));
+    equations.add_gradient(prior_.gradient(prior_.residual(corrections(window))).head(at_readout));
+  }
+  /// The column of the readout time: to that of the frames' equations, and to what is left of it.
+  void add_readout_to(const Window& window, auto& column, ReadoutBorder& border) const requires rolls {
+    for (int c = 0; c < at_readout; ++c) column[c] += H_(at_readout, c);
+    border.information += H_(at_readout, at_readout);
+    border.gradient += prior_.gradient(prior_.residual(corrections(window)))[at_readout];
   }
 
   // The frame in `slot` leaves: `begin_retirement`, then all rows that would be lost with it, then `retire`.
@@ -125,14 +145,16 @@ class WindowPrior {
     }
   }
 
-  /// Rows of one landmark, at the current state; it goes as well.
+  /// Rows of one landmark, at the current state, and their slopes by the readout time; it goes as well.
   template <class Landmark, class Pairs>
-  void add_landmark(const Landmark& landmark, const Pairs& pairs) {
+  void add_landmark(const Landmark& landmark, const Pairs& pairs, const auto& slopes) {
     constexpr int columns = Landmark::landmark_dim;
     static_assert(columns <= max_columns && Landmark::max_rows <= max_rows);
     const int rows = landmark.rows();
     work_.resize(rows, columns + dim + 1);
-    const int rank = landmark.reduced_rows(work_, pairs, frame_dim);
+    const int rank = landmark.reduced_rows(work_, pairs, frame_dim, [&] {
+      for (int k = 0; rolls && k < rows; ++k) work_(k, columns + at_readout) = double(slopes[k]);
+    });
     if (rows <= rank) return;
     if constexpr (has_extrinsics<typename Window::Layout>) move_with_extrinsics(columns, rank);
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_rows, 1> r(rows - rank);
@@ -143,9 +165,11 @@ class WindowPrior {
     marginalizer_.add_rows(work_.block(rank, columns, rows - rank, dim), r);
   }
 
-  void retire(Window& window, int slot) {
+  /// The readout time may have changed by a sigma [s] since the last one left.
+  void retire(Window& window, int slot, double readout_walk_s = 0) {
     const int first = slot * frame_dim;
     if (marginalizer_.marginalize(first, frame_dim, reduced_)) {
+      if constexpr (rolls) doubt_readout(readout_walk_s);
       prior_.widen(reduced_, first, frame_dim);
     } else {
       prior_.forget(first, frame_dim);
@@ -172,9 +196,18 @@ class WindowPrior {
     }
   }
 
-  static Vector corrections(const Window& window) {
+  /// What is known of the readout time alone is the last row of the triangle:  1/j^2 <- 1/j^2 + walk^2.
+  void doubt_readout(double walk_s) {
+    const int last = reduced_.dim() - 1;
+    const double j = reduced_.J0(last, last), less = 1 / std::sqrt(1 + walk_s * walk_s * j * j);
+    reduced_.J0(last, last) *= less;
+    reduced_.r0[last] *= less;
+  }
+
+  Vector corrections(const Window& window) const {
     Vector e;
     set_zero(e);
+    if constexpr (rolls) e[at_readout] = readout_s_;
     for (int k = 0; k < Window::slots; ++k) {
       if (!window[k].used) continue;
       const auto correction = window[k].state.correction();
@@ -188,6 +221,12 @@ class WindowPrior {
     return e;
   }
 
+  struct Belief {
+    double value_s = 0, sigma_s = 0;
+  };
+
+  Belief readout_;
+  double readout_s_ = 0;
   Prior<dim> prior_, reduced_;
   BoundedMatrix<double, dim, dim> H_;  ///< J0^T J0, which does not change until the next frame leaves
   Marginalizer<dim, 64> marginalizer_;
@@ -202,7 +241,7 @@ template <class Window, class Terms>
 struct PriorOf;
 template <class Window, class... T>
 struct PriorOf<Window, std::tuple<T...>> {
-  using type = WindowPrior<Window, std::max({T::max_rows...}), std::max({T::Kind::dim...})>;
+  using type = WindowPrior<Window, std::max({T::max_rows...}), std::max({T::Kind::dim...}), (T::Sensors::rolls || ...)>;
 };
 
 }  // namespace detail

@@ -12,6 +12,7 @@
 #include "plumbline/estimator/composition.hpp"
 #include "plumbline/estimator/estimate.hpp"
 #include "plumbline/estimator/options.hpp"
+#include "plumbline/estimator/rolling_frames.hpp"
 #include "plumbline/feature/motion_estimate.hpp"
 #include "plumbline/feature/row_ranges.hpp"
 #include "plumbline/frontend/image_pair.hpp"
@@ -58,8 +59,9 @@ class Odometry {
   Backend backend;
   [[no_unique_address]] MapT map;
   Estimate<S> estimate;
-  Origin<S> origin;    ///< of what is published
-  TimeNs good_ns = 0;  ///< of the last frame whose image was of use, or that stood
+  Origin<S> origin;      ///< of what is published
+  TimeNs good_ns = 0;    ///< of the last frame whose image was of use, or that stood
+  int full_windows = 0;  ///< that were solved
 
   Window& window() { return backend.window(); }
   const Window& window() const { return backend.window(); }
@@ -79,7 +81,7 @@ class Odometry {
     estimate.T_body_cam = rig_state.T_body_cam();
     motion.begin_frame(frame.t_ns, is_first ? nullptr : &latest, dt);
     auto view = images.view(rig, frame, motion.T_body_cam(estimate.T_body_cam), rig_state.readout(), dt);
-    move_shutter(view, latest);
+    move_shutter(*this, view, latest);
     return view;
   }
 
@@ -89,7 +91,7 @@ class Odometry {
       return images.align_motion(view, guess, mean_depth(), is_after_gap(view.t_ns));
     };
     const Predicted predicted = motion.predict(window().latest(), view, S(blind_s(view.t_ns)), align_motion);
-    move_shutter(view, predicted.state);
+    move_shutter(*this, view, predicted.state);
     return predicted;
   }
 
@@ -117,13 +119,9 @@ class Odometry {
     }
     if (lacks != HealthReason::none) return lacks;
     if (motion.contradicts(predicted, T)) return HealthReason::imu_disagrees;
-    find_readout(view, T);
+    know_keyframe_motion(*this, view, T);
     set_ranges(landmarks, window(), view, T, readout_s(), /*all=*/false);
     return HealthReason::none;
-  }
-
-  void move_shutter(View<Sensors>& view, const State& x) const {
-    if constexpr (Sensors::rolls) view.set_motion(motion.angular_rate(), motion.velocity(x), mean_depth());
   }
 
   /// A frame that nothing ties to others: its pose is that of its features; a keyframe is solved for with the window.
@@ -147,6 +145,7 @@ class Odometry {
     const int slot = backend.insert(view.t_ns, window().latest(), motion.link(keyframe_));
     look_for_more(view, slot);
     backend.optimize(rig, view.T_body_cam, landmarks);
+    find_readout(*this, view);
     window().set_latest(slot);
     adopt_keyframe(view, slot);
     make_room(view);
@@ -171,6 +170,7 @@ class Odometry {
     }
     if (stands_) return window().set_latest(temporary_);
     backend.optimize(rig, view.T_body_cam, landmarks, keyframe);
+    if (keyframe) find_readout(*this, view);
     window().set_latest(temporary_);
     if (State solved = window().latest(); motion.revise(before, solved, view.dt)) window().set_latest(solved);
   }
@@ -236,6 +236,7 @@ class Odometry {
     landmarks.for_each([](auto& store) { store.clear(); });
     front_ends.begin_start();
     temporary_ = none;
+    begin_readout(*this);
     const int slot = backend.start(view.t_ns, x);
     window().set_latest(slot);
     front_ends.detect(view, window(), landmarks, slot);
@@ -267,25 +268,15 @@ class Odometry {
   double blind_s(TimeNs t_ns) const { return seconds_between(good_ns, t_ns); }
   bool is_after_gap(TimeNs t_ns) const { return blind_s(t_ns) > options.recovery.gap_s; }
 
+  S readout_s() const { return rig_state.readout().value_s; }
+
  private:
   static constexpr int none = -1;
-  S readout_s() const { return rig_state.readout().value_s; }
   /// New landmarks in the keyframe of that slot.
   void look_for_more(const View<Sensors>& view, int slot) {
     front_ends.detect(view, window(), landmarks, slot);
     set_ranges(landmarks, window(), view, window().T_world_body(slot), readout_s(), /*all=*/true);
   }
-  /// Takes what the frame says about the readout time; its features move along.
-  void find_readout(const View<Sensors>& view, const SE3<S>& T) {
-    if constexpr (Sensors::rolls) {
-      if (!(rig_state.readout().sigma_s > S(0))) return;
-      typename ReadoutFilter<S>::Equations system;
-      pose_.accumulate(rig, BodyView<S>(T, view.T_body_cam), landmarks, system);
-      const S change_s = rig_state.update_readout(system, view.dt);
-      landmarks.for_each([&](auto& store) { store.change_readout(change_s); });
-    }
-  }
-
   Pose pose_;
   KeyframeRule rule_;
   int keyframe_ = 0, temporary_ = none;  ///< slots of the last keyframe, and of the latest frame when it is none

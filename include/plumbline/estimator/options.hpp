@@ -8,7 +8,7 @@
 #include "plumbline/estimator/recovery.hpp"
 #include "plumbline/feature/motion_estimate.hpp"
 #include "plumbline/geometry/pose_ransac.hpp"
-#include "plumbline/state/readout_filter.hpp"
+#include "plumbline/state/readout_belief.hpp"
 #include "plumbline/tracking/rotation_alignment.hpp"
 
 namespace plumbline {

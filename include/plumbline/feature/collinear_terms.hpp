@@ -75,6 +75,10 @@ class CollinearTerms {
     return cost;
   }
 
+  void forget_residuals() {
+    for (Tie& tie : ties_) set_zero(tie.rows.r);
+  }
+
   double cost(const LineStore& lines, const PointStore& points, const Views& views) const {
     double sum = 0;
     for (const Tie& tie : ties_) {

@@ -49,6 +49,11 @@ class LandmarkTies<LandmarkSet<Stores...>> {
     return sum;
   }
 
+  /// Nothing but how they hold counts from here on.
+  void forget_residuals() {
+    for_each([&](auto& ties, auto, auto) { ties.forget_residuals(); });
+  }
+
   /// After the landmarks' own terms have been eliminated.                                   solver.md (13)
   void eliminate(auto& landmarks, auto& terms, const auto& pairs, auto& normal) {
     for_each([&](auto& ties, auto i, auto j) {

@@ -9,8 +9,9 @@
 ///
 /// In the estimate of one frame a landmark's own covariance C widens its residuals,
 ///   Sigma_r = Sigma + J_line C_w J_line^T,   C_w = M C M^T,  M = d(n_w; v_w)/d theta                            (29)
-/// and the readout time of a rolling shutter moves observation and landmark (docs/math/rolling_shutter.md):
-///   dr/d readout = J_line d(n_w; v_w)/d readout + dr/d bearing d bearing/d readout,   dr_i/d bearing_i = k_i nh^T
+///
+/// The readout time of a rolling shutter moves the observation (docs/math/rolling_shutter.md):
+///   dr_i/d readout = k_i nh^T db_i/d readout                                                                   (3)
 /// The depth rows neglect it: their noise is larger.
 
 #include <algorithm>
@@ -21,6 +22,7 @@
 #include "plumbline/core/square_root_information.hpp"
 #include "plumbline/feature/feature_kind.hpp"
 #include "plumbline/feature/line_geometry.hpp"
+#include "plumbline/feature/readout_slopes.hpp"
 #include "plumbline/feature/segment_observation.hpp"
 #include "plumbline/feature/whitened_rows.hpp"
 #include "plumbline/residual/anchored_line.hpp"
@@ -57,7 +59,8 @@ struct LineKind {
   static S inverse_range(const Geometry& line) { return S(1) / norm(line.middle()); }
   static void rescale(Geometry& line, S scale) { line.rescale(scale); }
   static void change_readout(Geometry& line, const Observation& seen_by_anchor, S change_s) {
-    line.change(Vec<S, 6>(change_s * slope_of(line, seen_by_anchor)));
+    if (!seen_by_anchor.valid) return;
+    line.change(change_s * line.slope(seen_by_anchor.pixels.measured, seen_by_anchor.by_readout()));
   }
   /// The rows that saw it did so from places of their own: what that means depends on how far away it is.
   static void set_range_in_anchor(const Geometry& line, Observation& seen, S readout_s) {
@@ -65,6 +68,11 @@ struct LineKind {
   }
   static void set_range(const Geometry& line, Observation& seen, const SE3<S>& T_cam_anchor, S readout_s) {
     seen.set_line(T_cam_anchor * line.line.plucker(), readout_s);
+  }
+  /// They moved otherwise than was thought while they saw it.
+  static void set_motion_in_anchor(Geometry& line, Observation& seen, const auto& shutter, S readout_s) {
+    const LineReprojection<S> before = seen.pixels.measured;
+    line.change(line.slope(before, seen.set_motion(shutter, readout_s)));
   }
   /// An edge shows its motion across it alone, which for edges of all directions is 2/pi of the whole on average.
   static double motion_px(const Observation& then, const Observation& now) {
@@ -90,11 +98,15 @@ struct LineKind {
     explicit Linearized(const Geometry& line) : LinearizedLine<S>(line.line) {}
   };
 
-  /// Weighted rows of the anchor's own observation; returns their cost.
+  /// Weighted rows of the anchor's own observation, or their slopes; returns their cost.
   template <class Rows>
   static double add_anchor(const Linearized& line, const Observation& seen, Rows& rows) {
     const Measured measured(seen, line.plucker);
-    if (measured.rows > 0) add_to(rows, measured, by_landmark(measured.lin, line));
+    if constexpr (TakesSlopes<Rows>) {
+      add_slopes(rows, measured, seen, line.plucker);
+    } else if (measured.rows > 0) {
+      add_to(rows, measured, by_landmark(measured.lin, line));
+    }
     return measured.cost;
   }
   /// What holds the line when another frame leaves: the anchor's pixels. Its depth stays with the landmark, it must not
@@ -102,19 +114,27 @@ struct LineKind {
   template <class Rows>
   static void add_anchor_tie(const Linearized& line, const Observation& seen, Rows& rows) {
     const Measured measured(seen.pixels, line.plucker);
-    if (measured.rows > 0) add_to(rows, measured, by_landmark(measured.lin, line));
+    if constexpr (TakesSlopes<Rows>) {
+      add_slopes(rows, measured, seen, line.plucker);
+    } else if (measured.rows > 0) {
+      add_to(rows, measured, by_landmark(measured.lin, line));
+    }
   }
-  /// Weighted rows of the observation in `slot`, another frame than the anchor; returns their cost.
+  /// Weighted rows of the observation in `slot`, another frame than the anchor, or their slopes; returns their cost.
   template <class Rows>
   static double add_view(const Sensors&, const Linearized& line, const Observation& seen, const RelativeView<S>& view,
                          int slot, Rows& rows) {
     const Plucker<S> in_target = line_in_target(view, line.plucker);
     const Measured measured(seen, in_target);
     if (measured.rows == 0) return invalid_cost;
-    const Mat<S, rows_per_view, 6> J_pose =
-        line_pose_jacobian(measured.lin, in_target, Mat<S, 3, 3>(view.R_body_cam().transpose()), view.p_body_cam());
-    const Mat<S, rows_per_view, dim> J_line = by_landmark(by_line_in_anchor(measured.lin, view), line);
-    add_to(rows, measured, J_line, slot, J_pose);
+    if constexpr (TakesSlopes<Rows>) {
+      add_slopes(rows, measured, seen, in_target);
+    } else {
+      const Mat<S, rows_per_view, 6> J_pose =
+          line_pose_jacobian(measured.lin, in_target, Mat<S, 3, 3>(view.R_body_cam().transpose()), view.p_body_cam());
+      const Mat<S, rows_per_view, dim> J_line = by_landmark(by_line_in_anchor(measured.lin, view), line);
+      add_to(rows, measured, J_line, slot, J_pose);
+    }
     return measured.cost;
   }
 
@@ -146,35 +166,22 @@ struct LineKind {
 
   // --------------------------------------------------------------------------------------------- in one frame
 
-  using Motion = FrameLayout<Sensors::rolls>;
-
   struct InWorld {
     Plucker<S> line;
-    Mat<S, 6, 6> covariance;                                         ///< C_w of (29)
-    [[no_unique_address]] Present<Vec<S, 6>, Sensors::rolls> slope;  ///< d(n_w; v_w)/d readout [1/s]
+    Mat<S, 6, 6> covariance;  ///< C_w of (29)
     Observation seen;
   };
-  static InWorld in_world(const Geometry& line, const Observation& seen_by_anchor, const Observation& current,
-                          const SE3<S>& T_world_anchor) {
+  static InWorld in_world(const Geometry& line, const Observation& current, const SE3<S>& T_world_anchor) {
     const Mat<S, 6, 6> to_world = plucker_transform(T_world_anchor);
     const Mat<S, 6, 4> M = to_world * line.line.plucker_jacobian();
-    InWorld out{T_world_anchor * line.line.plucker(), M * line.covariance * M.transpose(), {}, current};
-    if constexpr (Sensors::rolls) out.slope.set(to_world * slope_of(line, seen_by_anchor));
-    return out;
+    return {T_world_anchor * line.line.plucker(), M * line.covariance * M.transpose(), current};
   }
 
-  static WhitenedRows<S, 2, Motion> pixel_rows(const Sensors&, const BodyView<S>& view, const InWorld& line) {
+  static WhitenedRows<S, 2> pixel_rows(const Sensors&, const BodyView<S>& view, const InWorld& line) {
     const LineReprojection<S>& pixels = line.seen.pixels.measured;
     const auto lin = WorldLine<LineReprojection<S>>{pixels}.linearize(view, line.line);
     if (!lin.valid) return {};
-    Vec<S, 2> by_readout = zeros<S, 2>();
-    if constexpr (Sensors::rolls) {
-      const Vec<S, 3> nh = normalized(line_in_camera(view, line.line).n);
-      by_readout = lin.J_r_line * line.slope.get();
-      const Mat<S, 3, 2> slope = line.seen.by_readout();
-      for (int i = 0; i < 2; ++i) by_readout[i] += pixels.px_per_rad[i] * dot(nh, column(slope, i));
-    }
-    return whitened(lin, by_readout, line.seen.pixels.covariance, line);
+    return whitened(lin, line.seen.pixels.covariance, line);
   }
 
   /// Root mean square of the same residual, before it is whitened.
@@ -185,17 +192,11 @@ struct LineKind {
 
   static constexpr int depth_dim = Observation::measures_depth ? 2 : 0;
   static bool has_depth(const InWorld& line) { return line.seen.has_depth(); }
-  static WhitenedRows<S, 2, Motion> depth_rows(const BodyView<S>& view, const InWorld& line) {
+  static WhitenedRows<S, 2> depth_rows(const BodyView<S>& view, const InWorld& line) {
     const auto& depth = line.seen.depth.get();
     const auto lin = WorldLine<LineInverseDepth<S>>{depth.measured}.linearize(view, line.line);
     if (!lin.valid) return {};
-    return whitened(lin, zeros<S, 2>(), depth.covariance, line);
-  }
-
-  /// d(n; v)/d readout in the anchor.
-  static Vec<S, 6> slope_of(const Geometry& line, const Observation& seen_by_anchor) {
-    if (!seen_by_anchor.valid) return zeros<S, 6>();
-    return line.slope(seen_by_anchor.pixels.measured, seen_by_anchor.by_readout());
+    return whitened(lin, depth.covariance, line);
   }
 
  private:
@@ -229,6 +230,7 @@ struct LineKind {
   struct Measured {
     int rows = 0;  ///< none where the line cannot have been seen; the others of `lin` are zero
     double cost = invalid_cost;
+    Mat<S, 2, 2> wL;  ///< of the pixels
     CameraLineLinearization<S, rows_per_view> lin{true, zeros<S, rows_per_view>(), zeros<S, rows_per_view, 3>(),
                                                   zeros<S, rows_per_view, 3>()};
 
@@ -249,14 +251,24 @@ struct LineKind {
       if (!one.valid) return;
       const Vec<S, 2> r = seen.L * one.r;
       const S squared = squared_norm(r), w = std::sqrt(pixel_loss.weight(squared));
-      const Mat<S, 2, 2> wL = w * seen.L;
+      const Mat<S, 2, 2> weighted = w * seen.L;
+      if (first == 0) wL = weighted;
       set_segment(lin.r, first, Vec<S, 2>(w * r));
-      set_block(lin.J_r_n, first, 0, product(wL, one.J_r_n));
-      set_block(lin.J_r_v, first, 0, product(wL, one.J_r_v));
+      set_block(lin.J_r_n, first, 0, product(weighted, one.J_r_n));
+      set_block(lin.J_r_v, first, 0, product(weighted, one.J_r_v));
       cost = (first > 0 ? cost : 0) + double(pixel_loss.rho(squared)) / 2;
       rows = first + 2;
     }
   };
+  /// (3), the line being where it is in the anchor. Those of depth neglect it.
+  static void add_slopes(auto& slopes, const Measured& measured, const Observation& seen, const Plucker<S>& line) {
+    const Vec<S, 3> nh = normalized(line.n);
+    const Mat<S, 3, 2> by_readout = seen.by_readout();
+    Vec<S, 2> r;
+    for (int i = 0; i < 2; ++i) r[i] = seen.pixels.measured.px_per_rad[i] * dot(nh, column(by_readout, i));
+    if (measured.rows > 0) slopes.add_slopes(Vec<S, 2>(measured.wL * r));
+    if (measured.rows > 2) slopes.add_slopes(zeros<S, rows_per_view - 2>());
+  }
   /// Where the pose matters, `slot` and J_pose come last.
   template <class Rows, class... Pose>
   static void add_to(Rows& rows, const Measured& measured, const Mat<S, rows_per_view, dim>& J_line,
@@ -277,12 +289,11 @@ struct LineKind {
   }
 
   template <class Linearization>
-  static WhitenedRows<S, 2, Motion> whitened(const Linearization& lin, const Vec<S, 2>& by_readout,
-                                             const Mat<S, 2, 2>& covariance, const InWorld& line) {
+  static WhitenedRows<S, 2> whitened(const Linearization& lin, const Mat<S, 2, 2>& covariance, const InWorld& line) {
     const Mat<S, 2, 2> widened = covariance + lin.J_r_line * line.covariance * lin.J_r_line.transpose();  // (29)
     const Result<Mat<S, 2, 2>> W = square_root_information(widened);
     if (!W) return {};
-    return WhitenedRows<S, 2, Motion>::of(*W, lin.r, lin.J_r_pose, by_readout);
+    return WhitenedRows<S, 2>::of(*W, lin.r, lin.J_r_pose);
   }
 };
 

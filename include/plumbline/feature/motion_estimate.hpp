@@ -40,7 +40,8 @@ class MotionEstimate {
     DenseNormalEquations<S, dim> system;
     for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
       system.reset();
-      accumulate(rig, BodyView<S>(T, T_body_cam), landmarks, system);
+      const BodyView<S> body(T, T_body_cam);
+      landmarks.for_each_with(terms_, [&](const auto&, auto& terms) { terms.accumulate(rig, body, system); });
       if (prior.valid) add(prior, T_predicted, T, system);
       Vec<S, dim> d;
       if (!system.solve(d)) return HealthReason::unconstrained;
@@ -54,13 +55,6 @@ class MotionEstimate {
     });
     if (inliers < options_.min_inliers) return HealthReason::few_inliers;
     return system.covariance(covariance) && T.is_finite() ? HealthReason::none : HealthReason::unconstrained;
-  }
-
-  /// Adds the rows of all that took part in the last `refine`, at a pose.
-  template <int Dim>
-  void accumulate(const Sensors& rig, const BodyView<S>& body, const Landmarks& landmarks,
-                  DenseNormalEquations<S, Dim>& system) {
-    landmarks.for_each_with(terms_, [&](const auto&, auto& terms) { terms.accumulate(rig, body, system); });
   }
 
  private:

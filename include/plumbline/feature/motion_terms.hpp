@@ -21,6 +21,7 @@ class MotionTerms {
   using Kind = typename Store::Kind;
   using Sensors = typename Kind::Sensors;
   using S = typename Kind::Scalar;
+  using Equations = DenseNormalEquations<S, state::Pose::dim>;
 
   /// All located landmarks that the latest frame sees.
   void collect(const Store& store, const auto& window, const SE3<S>& T_body_cam) {
@@ -28,17 +29,15 @@ class MotionTerms {
     for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
       const auto& landmark = store.landmarks()[i];
       if (!landmark.current.valid || !landmark.located) continue;
-      items_.push_back(
-          {static_cast<int>(i), Kind::in_world(landmark.geometry, landmark.seen_by_anchor(), landmark.current,
-                                               window.T_world_body(landmark.anchor) * T_body_cam)});
+      items_.push_back({static_cast<int>(i), Kind::in_world(landmark.geometry, landmark.current,
+                                                            window.T_world_body(landmark.anchor) * T_body_cam)});
     }
   }
 
   std::size_t size() const { return items_.size(); }
 
-  /// Adds the weighted rows at a pose; of as many parameters of the kind's layout as the system has.
-  template <int Dim>
-  void accumulate(const Sensors& rig, const BodyView<S>& view, DenseNormalEquations<S, Dim>& system) {
+  /// Adds the weighted rows at a pose.
+  void accumulate(const Sensors& rig, const BodyView<S>& view, Equations& system) {
     errors_.clear();
     for (const Item& item : items_) {
       const auto rows = Kind::pixel_rows(rig, view, item.landmark);
@@ -76,12 +75,11 @@ class MotionTerms {
     typename Kind::InWorld landmark;
   };
 
-  template <int Rows, class L, class Loss, int Dim>
-  static void add(const WhitenedRows<S, Rows, L>& rows, const Loss& loss, DenseNormalEquations<S, Dim>& system) {
-    static_assert(Dim <= L::dim, "plumbline: these rows do not know all parameters of the system");
+  template <int Rows, class Loss>
+  static void add(const WhitenedRows<S, Rows>& rows, const Loss& loss, Equations& system) {
     if (!rows.valid) return;
     const S s = squared_norm(rows.r);
-    system.add(block<Rows, Dim>(rows.J, 0, 0), rows.r, loss.weight(s));
+    system.add(rows.J, rows.r, loss.weight(s));
     system.add_cost(loss.rho(s));
   }
 

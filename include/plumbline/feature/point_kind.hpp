@@ -10,9 +10,10 @@
 ///   Sigma_uv = (L^T L)^-1 + J_uv_lambda J_uv_lambda^T sigma_lambda^2
 ///   Sigma_z  = sigma_z^2 + (J_z_lambda sigma_lambda)^2
 ///   Sigma_uv^-1/2 = (I - c j j^T / |j|^2) L,  j = L J_uv_lambda sigma_lambda,  c = 1 - 1/sqrt(1 + |j|^2)       (10)
-/// so that landmarks just found from one noisy depth do not outvote those seen for long. The readout time of a rolling
-/// shutter moves observation and anchor (docs/math/rolling_shutter.md):
-///   dr_uv/d readout = J_uv_X dX/d readout - duv/d readout,   dX/d readout = R_wa (dbearing/d readout) / lambda
+/// so that landmarks just found from one noisy depth do not outvote those seen for long.
+///
+/// The readout time of a rolling shutter moves observation and anchor (docs/math/rolling_shutter.md):
+///   dr_uv/d readout = J_uv_P R_ja db_a/d readout - duv/d readout                                               (3)
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +22,7 @@
 #include "plumbline/core/present.hpp"
 #include "plumbline/feature/feature_kind.hpp"
 #include "plumbline/feature/point_observation.hpp"
+#include "plumbline/feature/readout_slopes.hpp"
 #include "plumbline/feature/whitened_rows.hpp"
 #include "plumbline/residual/inverse_depth_point.hpp"
 #include "plumbline/residual/world_point.hpp"
@@ -78,6 +80,14 @@ struct PointKind {
     const S range = norm(T_cam_anchor * middle(point));
     if (range * lambda_max > S(1)) seen.set_inverse_range(S(1) / range, readout_s);
   }
+  /// They moved otherwise than was thought while they saw it.
+  static void set_motion_in_anchor(Geometry& point, Observation& seen, const auto& shutter, S readout_s) {
+    seen.set_motion(shutter, readout_s);
+    RowSlope<S, 3> slope = point.slope.get();
+    const RowSlope<S, 3> moved = shutter.bearing_slope(cast_to<S>(seen.pixel), point.bearing, slope.inverse_range);
+    point.bearing = normalized(point.bearing + slope.set_motion(moved, readout_s));
+    point.slope.set(slope);
+  }
   static double motion_px(const Observation& then, const Observation& now) { return norm(now.pixel - then.pixel); }
 
   static void step(Geometry& point, const Vec<S, dim>& d) {
@@ -94,20 +104,26 @@ struct PointKind {
   using InAnchor = Geometry;
   using Linearized = Geometry;
 
-  /// The row of the depth measured in the anchor; returns its cost.
+  /// The row of the depth measured in the anchor, or its slope; returns its cost.
   template <class Rows>
   static double add_anchor(const InAnchor& point, const Observation& seen, Rows& rows) {
     const InverseDepth<S>& depth = seen.depth.get();
     if (!depth.valid) return 0;
     const S r = anchor_depth_error(point, depth), w = std::sqrt(depth_loss.weight(r * r));
-    rows.template add<1>(Mat<S, 1, 1>(w / (depth.sigma * point.bearing.z())), Vec<S, 1>(w * r));
+    const S by_lambda = w / (depth.sigma * point.bearing.z());
+    if constexpr (TakesSlopes<Rows>) {
+      const S z_slope = point.slope.get().by_readout().z();
+      rows.add_slopes(Vec<S, 1>(-by_lambda * z_slope * point.inverse_range / point.bearing.z()));
+    } else {
+      rows.template add<1>(Mat<S, 1, 1>(by_lambda), Vec<S, 1>(w * r));
+    }
     return double(depth_loss.rho(r * r)) / 2;
   }
   /// The anchor's pixel defines the point: it is no measurement that others could lean on.
   template <class Rows>
   static void add_anchor_tie(const InAnchor&, const Observation&, Rows&) {}
 
-  /// Weighted rows of the observation in `slot`, another frame than the anchor; returns their cost.
+  /// Weighted rows of the observation in `slot`, another frame than the anchor, or their slopes; returns their cost.
   template <class Rows>
   static double add_view(const Sensors& rig, const InAnchor& point, const Observation& seen,
                          const RelativeView<S>& view, int slot, Rows& rows) {
@@ -138,16 +154,24 @@ struct PointKind {
         cost += double(depth_loss.rho(r_z * r_z)) / 2;
       }
     }
-    for (int k = 0; k < rows_per_view; ++k) {  // chained once for all rows that share P~
-      if (k >= 2 && !has_depth) break;
-      S by_lambda = S(0);
-      for (int c = 0; c < 3; ++c) by_lambda += J_P(k, c) * view.t_target_anchor()[c];
-      J_lambda[k] = (k < 2 ? S(0) : J_lambda[k]) + by_lambda;
-    }
-    if (!has_depth) {
-      add_top<2>(view, slot, P, lambda, J_P, J_lambda, weighted, rows);
+    if constexpr (TakesSlopes<Rows>) {
+      const Vec<S, 2> uv_slope = cast_to<S>(seen.slope.get().by_readout());
+      const Vec<S, 3> P_slope = view.R_target_anchor() * point.slope.get().by_readout();
+      Vec<S, rows_per_view> slopes = J_P * P_slope;  // (3)
+      for (int k = 0; k < 2; ++k) slopes[k] -= w * (S(seen.L(k, 0)) * uv_slope[0] + S(seen.L(k, 1)) * uv_slope[1]);
+      has_depth ? rows.add_slopes(slopes) : rows.add_slopes(segment<2>(slopes, 0));
     } else {
-      add_top<rows_per_view>(view, slot, P, lambda, J_P, J_lambda, weighted, rows);
+      for (int k = 0; k < rows_per_view; ++k) {  // chained once for all rows that share P~
+        if (k >= 2 && !has_depth) break;
+        S by_lambda = S(0);
+        for (int c = 0; c < 3; ++c) by_lambda += J_P(k, c) * view.t_target_anchor()[c];
+        J_lambda[k] = (k < 2 ? S(0) : J_lambda[k]) + by_lambda;
+      }
+      if (has_depth) {
+        add_top<rows_per_view>(view, slot, P, lambda, J_P, J_lambda, weighted, rows);
+      } else {
+        add_top<2>(view, slot, P, lambda, J_P, J_lambda, weighted, rows);
+      }
     }
     return cost;
   }
@@ -176,26 +200,18 @@ struct PointKind {
 
   // --------------------------------------------------------------------------------------------- in one frame
 
-  using Motion = FrameLayout<Sensors::rolls>;
-
   struct InWorld {
     Vec<S, 3> p_world;
     Vec<S, 3> sigma_world;  ///< one standard deviation of the inverse range, as a move in the world
-    [[no_unique_address]] Present<Vec<S, 3>, Sensors::rolls> slope_world;  ///< d p_world / d readout [m/s]
     Observation seen;
   };
-  static InWorld in_world(const Geometry& point, const Observation&, const Observation& current,
-                          const SE3<S>& T_world_anchor) {
+  static InWorld in_world(const Geometry& point, const Observation& current, const SE3<S>& T_world_anchor) {
     const Vec<S, 3> p_cam = middle(point);
     const Vec<S, 3> sigma_cam = p_cam * (point.sigma_inverse_range / point.inverse_range);
-    const Vec<S, 3> slope_cam = point.slope.get().by_readout() / point.inverse_range;
-    return {T_world_anchor * p_cam,
-            T_world_anchor.rotation() * sigma_cam,
-            {T_world_anchor.rotation() * slope_cam},
-            current};
+    return {T_world_anchor * p_cam, T_world_anchor.rotation() * sigma_cam, current};
   }
 
-  static WhitenedRows<S, 2, Motion> pixel_rows(const Sensors& rig, const BodyView<S>& view, const InWorld& point) {
+  static WhitenedRows<S, 2> pixel_rows(const Sensors& rig, const BodyView<S>& view, const InWorld& point) {
     const Observation& seen = point.seen;
     const auto lin = PointReprojection<Camera>{cast_to<S>(seen.uv)}.linearize(rig.vision.camera, view, point.p_world);
     if (!lin.valid) return {};
@@ -210,8 +226,7 @@ struct PointKind {
         for (int i = 0; i < 2; ++i) W(i, c) -= along * j[i];  // (10)
       }
     }
-    const Vec<S, 2> slope = lin.J_r_point * point.slope_world.get() - cast_to<S>(seen.slope.get().by_readout());
-    return WhitenedRows<S, 2, Motion>::of(W, lin.r, lin.J_r_pose, slope);
+    return WhitenedRows<S, 2>::of(W, lin.r, lin.J_r_pose);
   }
 
   /// Of the same residual, before it is whitened.
@@ -223,18 +238,14 @@ struct PointKind {
 
   static constexpr int depth_dim = 1;
   static bool has_depth(const InWorld& point) { return point.seen.depth.get().valid; }
-  static WhitenedRows<S, depth_dim, Motion> depth_rows(const BodyView<S>& view, const InWorld& point) {
+  static WhitenedRows<S, depth_dim> depth_rows(const BodyView<S>& view, const InWorld& point) {
     const InverseDepth<S>& measured = point.seen.depth.get();
     const auto lin = PointInverseDepth<S>{measured.value}.linearize(view, point.p_world);
     if (!lin.valid) return {};
-    S j = S(0), slope = S(0);
-    const Vec<S, 3>& slope_world = point.slope_world.get();
-    for (int c = 0; c < 3; ++c) {
-      j += lin.J_r_point(0, c) * point.sigma_world[c];
-      slope += lin.J_r_point(0, c) * slope_world[c];
-    }
+    S j = S(0);
+    for (int c = 0; c < 3; ++c) j += lin.J_r_point(0, c) * point.sigma_world[c];
     const Mat<S, 1, 1> w(S(1) / std::sqrt(measured.sigma * measured.sigma + j * j));
-    return WhitenedRows<S, depth_dim, Motion>::of(w, lin.r, lin.J_r_pose, Vec<S, 1>(slope));
+    return WhitenedRows<S, depth_dim>::of(w, lin.r, lin.J_r_pose);
   }
 
  private:

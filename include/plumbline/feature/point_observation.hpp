@@ -30,6 +30,14 @@ struct PointObservation {
     uv += changed.set_inverse_range(float(lambda), float(readout_s));
     slope.set(changed);
   }
+  /// The camera was found to have moved as this frame's shutter says.
+  void set_motion(const auto& shutter, S readout_s) {
+    RowSlope<float, 2> changed = slope.get();
+    const RowSlope<S, 2> moved = shutter.still(cast_to<S>(pixel), S(changed.inverse_range)).slope;
+    uv += changed.set_motion({cast_to<float>(moved.by_turn), cast_to<float>(moved.by_shift), changed.inverse_range},
+                             float(readout_s));
+    slope.set(changed);
+  }
   /// All lengths become `scale` times what they were.
   void rescale(S scale) {
     RowSlope<float, 2> changed = slope.get();

@@ -110,6 +110,19 @@ struct SegmentObservation : SeenProfile<has_profile> {
     slopes.set(both);
     turn(start, end);
   }
+  /// The camera was found to have moved as this frame's shutter says; returns how the bearings of start and end change.
+  Mat<S, 3, 2> set_motion(const auto& shutter, S readout_s) {
+    const LineReprojection<S>& seen = pixels.measured;
+    Slopes both = slopes.get();
+    const auto change = [&](RowSlope<S, 3>& slope, const Vec<float, 2>& pixel, const Vec<S, 3>& bearing) {
+      return slope.set_motion(shutter.bearing_slope(cast_to<S>(pixel), bearing, slope.inverse_range), readout_s);
+    };
+    Mat<S, 3, 2> out;
+    out << change(both[0], segment.start, seen.bearing_start), change(both[1], segment.end, seen.bearing_end);
+    slopes.set(both);
+    turn(column(out, 0), column(out, 1));
+    return out;
+  }
   /// All lengths become `scale` times what they were.
   void rescale(S scale) {
     Slopes both = slopes.get();

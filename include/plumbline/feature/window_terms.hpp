@@ -5,11 +5,14 @@
 /// minimum and never goes into a prior.
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/core/present.hpp"
 #include "plumbline/feature/landmark_store.hpp"
+#include "plumbline/feature/readout_slopes.hpp"
 #include "plumbline/feature/window_views.hpp"
 #include "plumbline/solver/anchored_products.hpp"
 #include "plumbline/solver/landmark_elimination.hpp"
@@ -29,6 +32,7 @@ class WindowTerms {
   static constexpr int max_rows = Kind::rows_per_view * slots + Kind::damping_rows;
   using Elimination = LandmarkElimination<S, Kind::dim, state::Pose::dim, slots, max_rows>;
   using Pairs = typename Elimination::Pairs;
+  using Slopes = ReadoutSlopes<S, max_rows>;
   using Products = AnchoredProducts<double, state::Pose::dim, slots>;
 
   /// Linearizes all landmarks at the current state, adds their rows to `pairs` and returns their cost.
@@ -160,6 +164,36 @@ class WindowTerms {
     });
   }
 
+  /// After `finish` and an elimination: the slopes of all rows by the readout time take the place of their residuals, so
+  /// that one more elimination gives its part of the normal equations.                    rolling_shutter.md (3)
+  void exchange_residuals(const Sensors& rig, const Store& store, const auto& window, const Views& views, Pairs& pairs,
+                          ReadoutBorder& border) {
+    for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
+      Elimination& rows = eliminations_[i];
+      if (rows.rows() == 0) continue;
+      Slopes slopes;
+      slopes.reset();
+      add_views(rig, store.landmarks()[i], window, views, slopes);
+      gradients_[i] = rows.eliminated();
+      for (int k = 0; k < rows.rows(); ++k) {
+        const S slope = std::isfinite(slopes[k]) ? slopes[k] : S(0);  // which would say nothing
+        border.information += double(slope) * double(slope);
+        border.gradient += double(slope) * double(rows.residual(k));
+        rows.set_residual(k, slope);
+      }
+      rows.add_to(pairs);
+    }
+  }
+  /// After that elimination: what the landmarks took of it.
+  void subtract_eliminated(const Store& store, ReadoutBorder& border) const {
+    for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
+      const Elimination& rows = eliminations_[i];
+      if (rows.rows() == 0) continue;
+      border.information -= squared_norm(rows.eliminated());
+      border.gradient -= dot(rows.eliminated(), gradients_[i]);
+    }
+  }
+
   /// Gives `take` what would be lost with the frame in `slot`, landmark by landmark: all rows of those anchored in it;
   /// of the others, which stay, the rows of their observation there, with a landmark of its own. That forgets how the
   /// observation refined the landmark, but not how it ties the two frames together. Residuals are those of the current
@@ -168,17 +202,13 @@ class WindowTerms {
                         auto&& take) {
     for_each(store, [&](const Landmark& landmark, Elimination& rows) {
       if (!landmark.takes_part()) return;
-      if (landmark.anchor == slot) {
-        add_rows(rig, landmark, window, views, rows);
-      } else {
-        const auto& seen = landmark.observations[slot];
-        if (!seen.valid) return;
-        const typename Kind::Linearized linearized(landmark.geometry);
-        rows.reset(landmark.anchor);
-        Kind::add_anchor_tie(linearized, landmark.seen_by_anchor(), rows);
-        Kind::add_view(rig, linearized, seen, views(landmark.anchor, slot), slot, rows);
-      }
-      if (rows.rows() > 0) take(std::as_const(rows));
+      rows.reset(landmark.anchor);
+      add_leaving(slot, rig, landmark, window, views, rows);
+      if (rows.rows() == 0) return;
+      Slopes slopes;
+      slopes.reset();
+      if constexpr (Sensors::rolls) add_leaving(slot, rig, landmark, window, views, slopes);
+      take(std::as_const(rows), std::as_const(slopes));
     });
   }
 
@@ -190,8 +220,13 @@ class WindowTerms {
   /// All rows of one landmark, whitened and weighted. Returns their cost.
   double add_rows(const Sensors& rig, const Landmark& landmark, const auto& window, const Views& views,
                   Elimination& rows) const {
-    const typename Kind::Linearized linearized(landmark.geometry);
     rows.reset(landmark.anchor);
+    return add_views(rig, landmark, window, views, rows);
+  }
+  /// The same, or their slopes, to what is empty.
+  static double add_views(const Sensors& rig, const Landmark& landmark, const auto& window, const Views& views,
+                          auto& rows) {
+    const typename Kind::Linearized linearized(landmark.geometry);
     double cost = 0;
     for (int slot = 0; slot < slots; ++slot) {
       const auto& seen = landmark.observations[slot];
@@ -201,10 +236,25 @@ class WindowTerms {
     }
     return cost;
   }
+  /// Those that would be lost with the frame in `slot`, or their slopes.
+  static void add_leaving(int slot, const Sensors& rig, const Landmark& landmark, const auto& window,
+                          const Views& views, auto& rows) {
+    if (landmark.anchor == slot) {
+      add_views(rig, landmark, window, views, rows);
+      return;
+    }
+    const auto& seen = landmark.observations[slot];
+    if (!seen.valid) return;
+    const typename Kind::Linearized linearized(landmark.geometry);
+    Kind::add_anchor_tie(linearized, landmark.seen_by_anchor(), rows);
+    Kind::add_view(rig, linearized, seen, views(landmark.anchor, slot), slot, rows);
+  }
 
   std::array<Elimination, Store::capacity> eliminations_;
   std::array<Vec<S, Kind::dim>, Store::capacity> steps_;
   std::array<typename Kind::Geometry, Store::capacity> backup_;
+  using Gradients = std::array<Vec<double, Kind::dim>, Store::capacity>;
+  std::conditional_t<Sensors::rolls, Gradients, std::array<Vec<double, Kind::dim>, 0>> gradients_;
 };
 
 }  // namespace plumbline

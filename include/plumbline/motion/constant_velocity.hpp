@@ -62,15 +62,25 @@ class ConstantVelocity {
   Vec<S, 3> angular_rate() const { return segment<3>(expected_, 0); }
   Vec<S, 3> velocity(const State&) const { return segment<3>(expected_, 3); }
 
+  /// In the frame before, that being at T now: between its neighbours, or to this one where it has no other.
+  Vec<S, 6> motion_before(const SE3<S>& T, const View<Sensors>& view) const {
+    const Vec<S, 6> after = minus(T, view.T_world_previous) / view.dt;
+    return moves_ ? Vec<S, 6>((velocity_ + after) / S(2)) : after;
+  }
+
   static constexpr bool contradicts(const Prediction<State, S>& /*predicted*/, const SE3<S>& /*T*/) { return false; }
   static constexpr bool admits(const Prediction<State, S>& /*predicted*/, const SE3<S>& /*T*/) { return true; }
   State update(const State& /*predicted*/, const SE3<S>& T, const Mat<S, 6, 6>& /*covariance*/,
                const View<Sensors>& view) {
     velocity_ = minus(T, view.T_world_previous) / view.dt;
+    moves_ = true;
     return {T};
   }
   bool revise(const State& /*before*/, State& /*solved*/, S /*dt*/) const { return false; }
-  void lose() { set_zero(velocity_); }
+  void lose() {
+    set_zero(velocity_);
+    moves_ = false;
+  }
   static constexpr bool carries_on() { return false; }
   Mat<S, 6, 6> covariance_grown(const Mat<S, 6, 6>& before) const { return before; }
   /// Where the body was seen last.
@@ -90,6 +100,7 @@ class ConstantVelocity {
  private:
   Options options_;
   Vec<S, 6> velocity_ = zeros<S, 6>(), expected_ = zeros<S, 6>();  ///< [rad/s, m/s], body
+  bool moves_ = false;                                             ///< the velocity is known
 };
 
 }  // namespace plumbline

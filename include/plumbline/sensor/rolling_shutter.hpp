@@ -36,6 +36,12 @@ struct RowSlope {
     inverse_range = lambda;
     return change;
   }
+  /// The camera is found to have moved otherwise; returns what is to be added to x.
+  Vec<S, N> set_motion(const RowSlope& moved, S readout_s) {
+    Vec<S, N> change = readout_s * (moved.by_readout() - by_readout());
+    *this = moved;
+    return change;
+  }
   /// All lengths become `scale` times what they were.
   void rescale(S scale) {
     by_shift = scale * by_shift;

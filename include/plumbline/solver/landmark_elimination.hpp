@@ -58,6 +58,11 @@ class LandmarkElimination {
 
   int rows() const { return rows_; }
   int anchor() const { return anchor_; }
+  S residual(int k) const { return r_[k]; }
+  /// Another right-hand side of the same rows; `add_to` and `eliminate` are next.
+  void set_residual(int k, S r) { r_[k] = r; }
+  /// c of (10), of the last elimination.
+  const Vec<Acc, LandmarkDim>& eliminated() const { return c_; }
 
   /// Rows that see `block` from the anchor, already multiplied with sqrt(weight); J by the parameters of `block`.
   /// False, and nothing kept, when full.
@@ -234,8 +239,9 @@ class LandmarkElimination {
   /// For marginalization: writes [J_l | J_p | r] to the upper left of `work`, at least rows() x (LandmarkDim + dim + 1)
   /// with the right-hand side in its last column, and eliminates J_l without damping. Returns its rank k: rows
   /// [k, rows()), columns [LandmarkDim, ...) are [Q2^T J_p | Q2^T r], Q2 the full orthogonal complement of J_l.
+  /// `write_more()` may write columns that no block has.
   template <class D>
-  int reduced_rows(Eigen::MatrixBase<D>& work, const Pairs& pairs, int stride = BlockDim) const {
+  int reduced_rows(Eigen::MatrixBase<D>& work, const Pairs& pairs, int stride, auto&& write_more) const {
     using T = typename D::Scalar;
     for (int k = 0; k < rows_; ++k) {
       for (int c = LandmarkDim; c < int(work.cols()) - 1; ++c) work(k, c) = T(0);
@@ -254,8 +260,13 @@ class LandmarkElimination {
         }
       }
     }
+    write_more();
     return eliminate_leading_columns(work.derived().data(), rows_, int(work.cols()), int(work.derived().outerStride()),
                                      LandmarkDim);
+  }
+  template <class D>
+  int reduced_rows(Eigen::MatrixBase<D>& work, const Pairs& pairs, int stride = BlockDim) const {
+    return reduced_rows(work, pairs, stride, [] {});
   }
 
  private:

@@ -128,10 +128,12 @@ class NormalEquations {
   }
 
   /// The step (7). False, and d undefined, when the damped H is not positive definite or anything is not finite.
-  bool solve(S mu, Vector& d) const {
+  bool solve(S mu, Vector& d) const { return solve(mu, b_, d); }
+  /// The same of another b.
+  bool solve(S mu, const Vector& b, Vector& d) const {
     if (!factorize(mu)) return false;
     Vector x(dim());
-    for (int k = 0; k < dim(); ++k) x[k] = -b_[order_[k]];
+    for (int k = 0; k < dim(); ++k) x[k] = -b[order_[k]];
     factor_.solve_in_place(x);
     d.resize(dim());
     for (int k = 0; k < dim(); ++k) d[order_[k]] = x[k];
