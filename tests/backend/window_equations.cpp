@@ -73,6 +73,7 @@ TEST_CASE("window_equations: the mount changes variables, whatever was seen") {
 
   ExtrinsicsOptions nothing;
   nothing.rotation_sigma = nothing.position_sigma = 1e12;
+  equations->add_extrinsics(window);
   equations->add_extrinsics(window, ExtrinsicsPrior(nothing));
   const Dense expected = transform.transpose() * H * transform;
   double error = 0;

@@ -145,7 +145,7 @@ class Odometry {
     const int slot = backend.insert(view.t_ns, window().latest(), motion.link(keyframe_));
     look_for_more(view, slot);
     backend.optimize(rig, view.T_body_cam, landmarks);
-    find_readout(*this, view);
+    if (find_readout(*this, view)) backend.optimize(rig, view.T_body_cam, landmarks);
     window().set_latest(slot);
     adopt_keyframe(view, slot);
     make_room(view);
@@ -170,7 +170,7 @@ class Odometry {
     }
     if (stands_) return window().set_latest(temporary_);
     backend.optimize(rig, view.T_body_cam, landmarks, keyframe);
-    if (keyframe) find_readout(*this, view);
+    if (keyframe && find_readout(*this, view)) backend.optimize(rig, view.T_body_cam, landmarks);
     window().set_latest(temporary_);
     if (State solved = window().latest(); motion.revise(before, solved, view.dt)) window().set_latest(solved);
   }

@@ -42,19 +42,22 @@ void know_keyframe_motion(Odometry& odometry, const View<typename Odometry::Sens
 }
 
 /// What the window says about the readout time after a keyframe, unless it is known; all features move along. Windows
-/// overlap: of full ones every third says it all.
+/// overlap: of full ones every third says it all. True when it changed by so much that the window is to be solved again.
 template <class Odometry, class S = typename Odometry::S>
-void find_readout(Odometry& odometry, const View<typename Odometry::Sensors>& view) {
+bool find_readout(Odometry& odometry, const View<typename Odometry::Sensors>& view) {
   if constexpr (Odometry::Sensors::rolls) {
     constexpr int in_turn = 3;
-    if (odometry.rig_state.readout().is_known()) return;
-    if (odometry.window().full() && ++odometry.full_windows % in_turn != 0) return;
+    constexpr S much = S(2e-3);
+    if (odometry.rig_state.readout().is_known()) return false;
+    if (odometry.window().full() && ++odometry.full_windows % in_turn != 0) return false;
     ReadoutCorrection found;
-    if (!odometry.backend.find_readout(odometry.rig, view.T_body_cam, odometry.landmarks, found)) return;
+    if (!odometry.backend.find_readout(odometry.rig, view.T_body_cam, odometry.landmarks, found)) return false;
     const S change_s = odometry.rig_state.correct_readout(S(found.value_s), S(found.sigma_s));
     odometry.backend.set_readout(double(odometry.readout_s()));
     odometry.landmarks.for_each([&](auto& store) { store.change_readout(change_s); });
+    return change_s > much || -change_s > much;
   }
+  return false;
 }
 
 }  // namespace plumbline
