@@ -161,8 +161,8 @@ class WindowBackend {
     return summary;
   }
 
-  /// After `optimize`, of a shutter that rolls: by how much all that the window knows says that the readout time is wrong,
-  /// frames and landmarks being estimated with it; false when it does not say.        docs/math/rolling_shutter.md (3)
+  /// After `optimize`, of a shutter that rolls: by how much the readout time is wrong by all that the window knows,
+  /// frames and landmarks being estimated with it; false when it does not say.        docs/math/rolling_shutter.md (4)
   bool find_readout(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks,
                     ReadoutCorrection& out) requires Sensors::rolls {
     const typename Normal::Vector b = equations_.normal.b();

@@ -54,7 +54,7 @@ struct WindowProblem {
   }
 
   /// With the slopes of all rows by the readout time in the place of their residuals: its column of the equations, and
-  /// what the landmarks leave of it.                                                     rolling_shutter.md (3)
+  /// what the landmarks leave of it.                                                     rolling_shutter.md (4)
   bool border_by_readout(double mu, auto& column, ReadoutBorder& border) {
     self.begin_linearization();
     landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {

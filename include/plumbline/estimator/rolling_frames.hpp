@@ -27,8 +27,8 @@ void move_shutter(const Odometry& odometry, View<typename Odometry::Sensors>& vi
   }
 }
 
-/// Of a motion that nothing measures: when the frame before was a keyframe, how the camera moved there is known for good
-/// now that the body is at T.
+/// Of a motion that nothing measures: when the frame before was a keyframe, it is known for good how the camera moved
+/// there now that the body is at T.
 template <class Odometry, class S = typename Odometry::S>
 void know_keyframe_motion(Odometry& odometry, const View<typename Odometry::Sensors>& view,
                           const SE3<typename Odometry::S>& T) {
@@ -42,7 +42,7 @@ void know_keyframe_motion(Odometry& odometry, const View<typename Odometry::Sens
 }
 
 /// What the window says about the readout time after a keyframe, unless it is known; all features move along. Windows
-/// overlap: of full ones every third says it all. True when it changed by so much that the window is to be solved again.
+/// overlap: of full ones every third says it all. True when it changed so much that the window is to be solved again.
 template <class Odometry, class S = typename Odometry::S>
 bool find_readout(Odometry& odometry, const View<typename Odometry::Sensors>& view) {
   if constexpr (Odometry::Sensors::rolls) {

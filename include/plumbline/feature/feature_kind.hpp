@@ -5,8 +5,8 @@
 ///
 /// The functions of a kind are static and work on one landmark at a time. Their semantics:
 ///   Geometry     of a landmark in the camera of its anchor; `step` moves it by an increment of `dim` numbers
-///   Observation  where one frame saw it: `valid`; `place()` in the image; `scale_sigma`, `rescale`; `change_readout` and
-///                `set_motion` of a shutter that rolls, as `set_motion_in_anchor` with the geometry (row_motion.hpp)
+///   Observation  where one frame saw it: `valid`; `place()` in the image; `scale_sigma`, `rescale`; of a shutter that
+///                rolls `change_readout` and `set_motion`, as `set_motion_in_anchor` with the geometry (row_motion.hpp)
 ///   Appearance   by which it is recognized
 ///   InAnchor     what the costs of one landmark share, made once for them of its geometry
 ///   Linearized   what its rows share

@@ -164,8 +164,8 @@ class WindowTerms {
     });
   }
 
-  /// After `finish` and an elimination: the slopes of all rows by the readout time take the place of their residuals, so
-  /// that one more elimination gives its part of the normal equations.                    rolling_shutter.md (3)
+  /// After `finish` and an elimination: the slopes of all rows by the readout time take the place of their residuals,
+  /// so that one more elimination gives its part of the normal equations.                 rolling_shutter.md (4)
   void exchange_residuals(const Sensors& rig, const Store& store, const auto& window, const Views& views, Pairs& pairs,
                           ReadoutBorder& border) {
     for (std::size_t i = 0; i < store.landmarks().size(); ++i) {

@@ -1,8 +1,8 @@
 #pragma once
 /// What is believed of the readout time of a rolling shutter.                     docs/math/rolling_shutter.md
 ///
-/// What is found is the readout; a value that is held (a camera taken for one with a global shutter) stays until what is
-/// found is beyond doubt another.
+/// What is found is the readout; a value that is held (a camera taken for one with a global shutter) stays until what
+/// is found is beyond doubt another.
 
 #include <algorithm>
 #include <cmath>
