@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "catch.hpp"
+#include "plumbline/backend/direct_gauss_newton.hpp"
 #include "plumbline/backend/sliding_window.hpp"
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/feature/features.hpp"
@@ -49,6 +50,13 @@ static_assert(!HasFrames<Camera::Window> && !Backend<int>);
 static_assert(Camera::Layout::dim == state::Pose::dim && CameraAndImu::Layout::dim == InertialLayout::dim);
 static_assert(sizeof(Camera::State) == sizeof(SE3<float>));
 static_assert(std::is_empty_v<Camera::Links> && !std::is_empty_v<CameraAndImu::Links>);
+
+// Of a shutter that rolls both find the readout time; one alone that has nothing to estimate does not.
+using GlobalRig = Rig<Mono<Pinhole<double>, 64 * 64, Global>>;
+using Bundle = typename DirectGaussNewton<5>::Backend<ConstantVelocity<Visual>, Landmarks<Visual>>;
+using OfGlobal = typename SlidingWindow<5>::Backend<ConstantVelocity<GlobalRig>, Landmarks<GlobalRig>>;
+static_assert(FindsReadout<Camera> && FindsReadout<Bundle>);
+static_assert(!FindsReadout<OfGlobal> && !FindsReadout<Frames>);
 
 }  // namespace
 

@@ -12,6 +12,7 @@
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
+#include "plumbline/feature/readout_slopes.hpp"
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/state/block.hpp"
 #include "plumbline/state/layout.hpp"
@@ -44,6 +45,16 @@ template <class B>
 concept TellsVelocity = HasFrames<B> && B::Layout::template has<state::Velocity>&& requires(
     const B& known, Mat<typename B::S, MovingLayout::dim, MovingLayout::dim>& covariance) {
   { known.covariance_of_newest(covariance) } -> std::same_as<bool>;
+};
+
+/// Whether it finds out the readout time of a shutter that rolls; with others that stays what it was taken for.
+template <class B>
+concept FindsReadout = HasFrames<B> &&
+    requires(B& backend, const typename B::Sensors& rig, typename B::Landmarks& landmarks,
+             const SE3<typename B::S>& T_body_cam, ReadoutCorrection& found) {
+  backend.believe_readout(0.0, 0.0);
+  backend.set_readout(0.0);
+  { backend.find_readout(rig, T_body_cam, landmarks, found) } -> std::same_as<bool>;
 };
 
 }  // namespace plumbline

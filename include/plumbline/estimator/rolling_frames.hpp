@@ -1,6 +1,7 @@
 #pragma once
 /// What a rolling shutter asks of an odometry; nothing where all rows are read at once.  docs/math/rolling_shutter.md
 
+#include "plumbline/backend/backend.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/readout_slopes.hpp"
 #include "plumbline/feature/row_motion.hpp"
@@ -12,7 +13,7 @@ namespace plumbline {
 /// Before the backend starts.
 template <class Odometry>
 void begin_readout(Odometry& odometry) {
-  if constexpr (Odometry::Sensors::rolls) {
+  if constexpr (FindsReadout<typename Odometry::Backend>) {
     const auto& rig = odometry.rig_state;
     odometry.backend.believe_readout(double(rig.found_readout_s()), double(rig.readout().sigma_s));
     odometry.backend.set_readout(double(odometry.readout_s()));
@@ -45,7 +46,7 @@ void know_keyframe_motion(Odometry& odometry, const View<typename Odometry::Sens
 /// overlap: of full ones every third says it all. True when it changed so much that the window is to be solved again.
 template <class Odometry, class S = typename Odometry::S>
 bool find_readout(Odometry& odometry, const View<typename Odometry::Sensors>& view) {
-  if constexpr (Odometry::Sensors::rolls) {
+  if constexpr (FindsReadout<typename Odometry::Backend>) {
     constexpr int in_turn = 3;
     constexpr S much = S(2e-3);
     if (odometry.rig_state.readout().is_known()) return false;
