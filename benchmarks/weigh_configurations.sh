@@ -28,7 +28,7 @@ END
 absent_from() {
   local absent=(testing)  # in none of them
   [[ $1 == *-imu/* ]] || absent+=(Imu Preintegration InertialLinks AlignmentWindow)
-  [[ $1 == rgbd* ]] || absent+=(InverseDepthMeasurement DepthSensor RollingShutter ReadoutFilter ReadoutTime)
+  [[ $1 == rgbd* ]] || absent+=(InverseDepthMeasurement DepthSensor RollingShutter ReadoutBelief ReadoutSlopes)
   [[ $1 == *points* || $1 == mono*/lines/* ]] || absent+=(PointKind PointFlow)
   [[ $1 == *lines* ]] || absent+=(EdgeFollowing)
   [[ $1 == *lines* || $1 == *collinear* ]] || absent+=(LineKind)

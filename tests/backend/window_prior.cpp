@@ -20,10 +20,6 @@ namespace {
 constexpr int slots = 4, max_rows = 12, max_columns = 4;
 constexpr int pose_dim = state::Pose::dim;
 
-struct NoSlopes {
-  double operator[](int) const { return 0; }
-};
-
 template <class S, class Layout>
 struct Scene {
   static constexpr int frame_dim = Layout::dim, at_extrinsics = slots * frame_dim,

@@ -95,7 +95,6 @@ TEMPLATE_TEST_CASE("readout_slopes: are the derivatives of the rows, anchor's an
         return rows;
       };
       typename Terms::Slopes slopes;
-      slopes.reset();
       add(landmark.geometry, seen, slopes);
       const auto plus = rows_at(delta), minus = rows_at(-delta);
       REQUIRE(slopes.rows() == plus.rows());
@@ -117,7 +116,6 @@ TEMPLATE_TEST_CASE("readout_slopes: are the derivatives of the rows, anchor's an
 
 TEST_CASE("readout_slopes: rows of a kind that knows none have none") {
   ReadoutSlopes<double, 5> slopes;
-  slopes.reset();
   slopes.add_slopes(Vec<double, 1>(3.0));
   slopes.add<2>(0, 0, 0, 0);
   slopes.add<1>(0, 0);

@@ -58,7 +58,7 @@ fi
 
 "${small[@]}" --start 0.52 --duration 1 --json part.json > part.txt 2> log.txt || fail "a part: $(cat log.txt)"
 expect_text part.txt '^room: 20 frames'  # from 0.55 s to 1.5 s
-expect_text part.json '"frames":20,"health' '"first_frame":1,"frames":19,"health'
+expect_text part.json '"frames":20,"health' '"first_frame":1,' '"frames":19,"health'
 
 # ------------------------------------------------------------------------------------------------ shards and merge
 "${whole[@]}" --shard 1/2 --json 1.json > /dev/null 2>&1 || fail "shard 1"

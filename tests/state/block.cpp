@@ -18,7 +18,7 @@ template <class... Blocks>
 constexpr bool all_move = (true && ... && (moves<Blocks, float> && moves<Blocks, double>));
 
 static_assert(all_move<state::Pose, state::Velocity, state::GyroBias, state::AccelBias>);
-static_assert(all_move<state::Extrinsics, state::TimeOffset, state::ReadoutTime>);
+static_assert(all_move<state::Extrinsics, state::TimeOffset>);
 
 }  // namespace
 
@@ -26,7 +26,7 @@ TEST_CASE("block: dimensions are those of the increments") {
   REQUIRE(state::Pose::dim == 6);
   REQUIRE(state::Extrinsics::dim == 6);
   REQUIRE(state::Velocity::dim + state::GyroBias::dim + state::AccelBias::dim == 9);
-  REQUIRE(state::TimeOffset::dim + state::ReadoutTime::dim == 2);
+  REQUIRE(state::TimeOffset::dim == 1);
 }
 
 TEST_CASE("block: blocks of one shape are told apart by name") {

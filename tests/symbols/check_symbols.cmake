@@ -4,7 +4,7 @@
 cmake_minimum_required(VERSION 3.25)
 
 set(parts Imu Preintegration InertialLinks CameraClock ClockShift AlignmentWindow InverseDepthMeasurement DepthSensor LineKind EdgeFollowing
-  LineTracker CollinearKind CollinearSegments CollinearTerms RollingShutter ReadoutFilter ReadoutTime)
+  LineTracker CollinearKind CollinearSegments CollinearTerms RollingShutter ReadoutBelief ReadoutSlopes)
 
 foreach(object BARE FULL)
   execute_process(COMMAND "${NM}" --demangle --defined-only "${${object}}" OUTPUT_VARIABLE symbols

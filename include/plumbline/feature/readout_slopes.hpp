@@ -15,7 +15,6 @@ class ReadoutSlopes {
  public:
   static constexpr bool takes_slopes = true;
 
-  void reset() { rows_ = 0; }
   int rows() const { return rows_; }
   S operator[](int row) const { return row < rows_ ? slopes_[row] : S(0); }
 
@@ -36,6 +35,11 @@ class ReadoutSlopes {
  private:
   int rows_ = 0;
   std::array<S, MaxRows> slopes_;
+};
+
+/// Of a shutter that reads all rows at once.
+struct NoSlopes {
+  int operator[](int) const { return 0; }
 };
 
 /// Rows of which the slopes are asked for alone.

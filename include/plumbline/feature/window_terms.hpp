@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "plumbline/core/matrix.hpp"
@@ -32,7 +34,7 @@ class WindowTerms {
   static constexpr int max_rows = Kind::rows_per_view * slots + Kind::damping_rows;
   using Elimination = LandmarkElimination<S, Kind::dim, state::Pose::dim, slots, max_rows>;
   using Pairs = typename Elimination::Pairs;
-  using Slopes = ReadoutSlopes<S, max_rows>;
+  using Slopes = std::conditional_t<Sensors::rolls, ReadoutSlopes<S, max_rows>, NoSlopes>;
   using Products = AnchoredProducts<double, state::Pose::dim, slots>;
 
   /// Linearizes all landmarks at the current state, adds their rows to `pairs` and returns their cost.
@@ -172,7 +174,6 @@ class WindowTerms {
       Elimination& rows = eliminations_[i];
       if (rows.rows() == 0) continue;
       Slopes slopes;
-      slopes.reset();
       add_views(rig, store.landmarks()[i], window, views, slopes);
       gradients_[i] = rows.eliminated();
       for (int k = 0; k < rows.rows(); ++k) {
@@ -206,7 +207,6 @@ class WindowTerms {
       add_leaving(slot, rig, landmark, window, views, rows);
       if (rows.rows() == 0) return;
       Slopes slopes;
-      slopes.reset();
       if constexpr (Sensors::rolls) add_leaving(slot, rig, landmark, window, views, slopes);
       take(std::as_const(rows), std::as_const(slopes));
     });
@@ -254,7 +254,7 @@ class WindowTerms {
   std::array<Vec<S, Kind::dim>, Store::capacity> steps_;
   std::array<typename Kind::Geometry, Store::capacity> backup_;
   using Gradients = std::array<Vec<double, Kind::dim>, Store::capacity>;
-  std::conditional_t<Sensors::rolls, Gradients, std::array<Vec<double, Kind::dim>, 0>> gradients_;
+  [[no_unique_address]] std::conditional_t<Sensors::rolls, Gradients, std::tuple<>> gradients_;
 };
 
 }  // namespace plumbline

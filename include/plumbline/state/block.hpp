@@ -28,8 +28,7 @@ struct GyroBias : detail::Vector<3> {};   ///< [rad/s]
 struct AccelBias : detail::Vector<3> {};  ///< [m/s^2]
 
 // Of the rig.
-struct Extrinsics : detail::Transform {};   ///< T_body_cam
-struct TimeOffset : detail::Vector<1> {};   ///< of the camera's clock: time of the IMU = time of the image + offset [s]
-struct ReadoutTime : detail::Vector<1> {};  ///< from the first to the last row of an image [s]
+struct Extrinsics : detail::Transform {};  ///< T_body_cam
+struct TimeOffset : detail::Vector<1> {};  ///< of the camera's clock: time of the IMU = time of the image + offset [s]
 
 }  // namespace plumbline::state

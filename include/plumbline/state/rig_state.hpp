@@ -30,7 +30,7 @@ class RigState {
   /// state::TimeOffset; zero without an IMU.
   double time_offset_s() const { return time_offset_s_.get(); }
   void set_time_offset(double offset_s) { time_offset_s_.set(offset_s); }
-  /// state::ReadoutTime; zero, and known, of a global shutter.
+  /// Zero, and known, of a global shutter.
   Readout<S> readout() const { return readout_.get().readout(); }
 
   /// The same, whether or not it is held to another value [s].
