@@ -124,16 +124,3 @@ TEST_CASE("motion_estimate: says what a pose lacks") {
   broken.T = SE3<double>(SO3<double>(), Vec<double, 3>::Constant(std::numeric_limits<double>::quiet_NaN()));
   REQUIRE(broken.refine() != HealthReason::none);
 }
-
-TEMPLATE_TEST_CASE("motion_estimate: rows of pose and readout at a pose, of all that took part", "", float, double) {
-  using S = TestType;
-  Scene<S> scene(20, 8, 1);
-  REQUIRE(scene.refine() == HealthReason::none);
-  const BodyView<S> body(scene.T, scene.T_body_cam);
-  DenseNormalEquations<S, 6> pose;
-  DenseNormalEquations<S, 7> both;
-  scene.estimate->accumulate(scene.points.rig, body, *scene.landmarks, pose);
-  scene.estimate->accumulate(scene.points.rig, body, *scene.landmarks, both);
-  REQUIRE((both.H().template topLeftCorner<6, 6>() - pose.H()).norm() <= S(1e-6) * pose.H().norm());
-  REQUIRE(both.H()(6, 6) > 0);  // the lines have slopes
-}
