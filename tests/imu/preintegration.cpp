@@ -1,5 +1,6 @@
 #include "plumbline/imu/preintegration.hpp"
 
+#include <cmath>
 #include <limits>
 #include <type_traits>
 
@@ -75,6 +76,23 @@ TEMPLATE_TEST_CASE("preintegration: when full, twice the step and the same motio
     REQUIRE((small.increment().delta.dp - large.increment().delta.dp).norm() < S(5e-2));
     const double sigma_ratio = double(small.increment().covariance(6, 6)) / double(large.increment().covariance(6, 6));
     REQUIRE(sigma_ratio == Approx(1).epsilon(0.1));
+  }
+}
+
+TEMPLATE_TEST_CASE("preintegration: an accelerometer in doubt moves nothing and leaves its velocity open", "", float,
+                   double) {
+  using S = TestType;
+  testing::Gaussian normal(3);
+  const test::RandomMotion motion(normal);
+  Preintegration<S, 256> p = preintegrated<S>(motion, 0, one_second);
+  const ImuIncrement<S> sure = p.increment();
+  p.doubt_accelerometer(S(20));
+  REQUIRE((p.increment().delta.dv == sure.delta.dv && p.increment().delta.dp == sure.delta.dp));
+  REQUIRE(minus(p.increment().delta.dR, sure.delta.dR).norm() == 0);
+  for (int k = 0; k < 3; ++k) {
+    CHECK(p.increment().covariance(k, k) == sure.covariance(k, k));
+    CHECK(double(std::sqrt(p.increment().covariance(6 + k, 6 + k))) == Approx(20).epsilon(0.01));
+    CHECK(double(std::sqrt(p.increment().covariance(3 + k, 3 + k))) == Approx(20 / std::sqrt(3.0)).epsilon(0.01));
   }
 }
 

@@ -51,6 +51,21 @@ TEMPLATE_TEST_CASE("imu_intake: an increment from frame to frame", "", float, do
   CHECK(intake.duration() == Approx(0.033).epsilon(1e-6));
 }
 
+TEMPLATE_TEST_CASE("imu_intake: an accelerometer in doubt tells nothing of the way", "", float, double) {
+  using S = TestType;
+  Intake<S> intake;
+  intake.read(-50 * ms, 110 * ms, false);
+  intake.imu.begin_frame(0);
+  intake.imu.doubt_accelerometer(S(20));
+  intake.imu.integrate(100 * ms, intake.state);
+  CHECK(intake.imu.blind());
+  CHECK_FALSE(intake.imu.missing());
+  CHECK(double(intake.imu.since_frame().increment().covariance(6, 6)) == Approx(20 * 20 * 0.1).epsilon(0.01));
+  CHECK(intake.angle() == Approx(0.1 * rate_z).epsilon(1e-5));
+  intake.imu.doubt_accelerometer(S(0));
+  CHECK_FALSE(intake.imu.blind());
+}
+
 TEMPLATE_TEST_CASE("imu_intake: images that do not come lose no reading", "", float, double) {
   Intake<TestType> intake;
   intake.read(-50 * ms, 0, false);

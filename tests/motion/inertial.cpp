@@ -270,8 +270,8 @@ TEMPLATE_TEST_CASE("inertial: a gyroscope whose bias jumps, against the images",
     drive.latest.bias_gyro = x.bias_gyro;
     return drive.motion->link(0).jumped;
   };
-  for (int k = 0; k < 20; ++k) REQUIRE(!go_on(0.1, S(1e-4)));                  // images that hardly know how they turn
-  for (int k = 0; k < 40; ++k) REQUIRE(!go_on(0.2 * options.max_rate_error));  // no more than any bias does
+  for (int k = 0; k < 20; ++k) REQUIRE(!go_on(0.1, S(1e-4)));  // images that hardly know how they turn
+  for (int k = 0; k < 40; ++k) REQUIRE(!go_on(0.2 * options.gyro_check.max_rate_error));  // no more than any bias does
   drive.motion->begin_link(keyframe);
   const auto excludes = [&](double sigmas) {
     const auto predicted = drive.predict();
@@ -282,7 +282,7 @@ TEMPLATE_TEST_CASE("inertial: a gyroscope whose bias jumps, against the images",
   CHECK(excludes(1.1 * options.max_innovation));
   int frames = 0, suspect = 0;
   for (; !go_on(0.1, S(3e-7)) && frames < 20; ++frames) suspect += !excludes(1.1 * options.max_innovation);
-  CHECK(frames * frame_s < options.rate_error_s);
+  CHECK(frames * frame_s < options.gyro_check.rate_error_s);
   CHECK(suspect > 0);  // images that turn otherwise are heard until it is decided
 
   // It is found once, in a link that ends as soon as it can, and is to explain what is seen from now on.
@@ -292,9 +292,36 @@ TEMPLATE_TEST_CASE("inertial: a gyroscope whose bias jumps, against the images",
   CHECK(excludes(1.1 * options.doubted_innovation));
   frames = 1;
   for (; !go_on(0.1) && frames < 200; ++frames) CHECK(excludes(1.1 * options.doubted_innovation));
-  CHECK(frames * frame_s == Approx(options.jump_settles_s).margin(1.5 * frame_s));
+  CHECK(frames * frame_s == Approx(options.gyro_check.jump_settles_s).margin(1.5 * frame_s));
   for (int k = 0; k < 300; ++k) go_on(0.1);
-  CHECK(double(drive.latest.bias_gyro.x()) == Approx(drive.bias_gyro.x() + 0.1).margin(1.2 * options.max_rate_error));
+  CHECK(double(drive.latest.bias_gyro.x()) ==
+        Approx(drive.bias_gyro.x() + 0.1).margin(1.2 * options.gyro_check.max_rate_error));
+}
+
+TEMPLATE_TEST_CASE("inertial: an accelerometer that images contradict has no say", "", float, double) {
+  using S = TestType;
+  Drive<S> drive;
+  drive.motion->become_metric();
+  const auto go_on = [&](double error) {
+    drive.advance_with([&](ImuSample& sample) { sample.accel.x() += error; });
+    const auto predicted = drive.predict();
+    drive.motion->update(predicted.state, drive.truth(drive.now).T_world_body, drive.sure(), drive.view());
+    const double off_m = double(norm(predicted.state.T_world_body.p() - drive.truth(drive.now).T_world_body.p()));
+    drive.found();
+    return off_m;
+  };
+  for (int k = 0; k < 80; ++k) REQUIRE(go_on(0) < 1e-4);
+  CHECK_FALSE(drive.motion->link(0).accel_in_doubt);
+  for (int k = 0; k < 20; ++k) go_on(4);
+  const InertialLink<S> link = drive.motion->link(0);
+  CHECK(link.accel_in_doubt);
+  const double sigma = std::sqrt(double(link.increment.increment().covariance(6, 6)));
+  const double open = InertialOptions().accel_doubt * std::sqrt(double(link.increment.increment().duration));
+  CHECK(sigma > 0.9 * open);  // before it was found, too
+  CHECK(go_on(4) < 1e-4);     // the body moves on as it did; 5 mm by the readings
+  for (int k = 0; k < 100; ++k) go_on(0);
+  CHECK_FALSE(drive.motion->link(0).accel_in_doubt);
+  CHECK(drive.confirm_keyframe(100, false));  // the link that is blind in parts ends
 }
 
 TEMPLATE_TEST_CASE("inertial: images that the readings exclude", "", float, double) {

@@ -241,6 +241,26 @@ TEMPLATE_TEST_CASE("inertial_links: a bias that jumped leaves the link that far 
   }
 }
 
+TEMPLATE_TEST_CASE("inertial_links: an accelerometer found to be wrong was wrong in the links before", "", float,
+                   double) {
+  using S = TestType;
+  for (const bool doubted : {false, true}) {
+    Chain<S> chain(5);
+    const int i = chain.slot[1], j = chain.slot[2];
+    chain.links->insert(j, chain.window[j].state.value(),
+                        {.previous = i, .increment = chain.links->increment(j), .accel_in_doubt = doubted});
+    const double before = chain.links->cost(chain.window);
+    Vec<S, dim> d = Vec<S, dim>::Zero();
+    d[6] = S(0.5);  // the velocity of the first frame
+    chain.window.state(chain.slot[0]).add(d);
+    const double cost = chain.links->cost(chain.window) - before;
+    if (doubted)
+      CHECK(cost < 0.01);
+    else
+      CHECK(cost > 1e3);
+  }
+}
+
 TEST_CASE("inertial_links: take part once they are activated") {
   Chain<double> chain(10, 0.05);
   REQUIRE(chain.links->cost(chain.window) > 0);
@@ -348,7 +368,7 @@ struct ShiftedChain : Chain<S> {
     std::array<ReadingCut<S>, 3> cuts;
     for (std::size_t k = 0; k < 3; ++k) cuts[k] = {cuts_s[k], noise.vector<3>().template cast<S>()};
     for (std::size_t k = 1; k < 3; ++k) {
-      InertialLink<S> link{slot[k - 1], links->increment(slot[k]), false, false, cuts[k - 1], cuts[k]};
+      InertialLink<S> link{slot[k - 1], links->increment(slot[k]), false, false, false, cuts[k - 1], cuts[k]};
       links->insert(slot[k], window[slot[k]].state.value(), link);
     }
     window.estimate_time_offset(cuts_s[2]);

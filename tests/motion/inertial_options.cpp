@@ -10,5 +10,5 @@ TEST_CASE(
   CHECK(options.max_vote < options.max_innovation);
   CHECK(options.velocity_doubt >= 1);
   CHECK(options.rest_hysteresis > 1);
-  CHECK(options.rate_s < options.rate_error_s);
+  CHECK(options.rate_s < options.gyro_check.rate_error_s);
 }

@@ -12,6 +12,14 @@ cat table.txt
 awk '/^(black|missing) / {++rows; if (!($6 < 1.5)) bad = 1} END {exit bad || rows != 4}' table.txt ||
   fail "a gap of half a second costs more than half of the accuracy"
 
+# With depth the images go on alone where the accelerometer does not tell of the motion.
+"$plumbline" faults --config rgbd-imu/points+lines/window --dataset "$data/rendered_lowtex_rgbd" \
+  --fault "accel y turned" --times 3 > turned.txt || fail "faults with depth ends with an error"
+cat turned.txt
+# Columns: fault, median, worst, ratio of the worst, seconds, frames falsely `tracking`, ...
+awk '/^accel y turned / {++rows; if (!($6 < 2 && $8 < 10)) bad = 1} END {exit bad || rows != 1}' turned.txt ||
+  fail "an axis of the accelerometer that turns leads the estimate away"
+
 "$plumbline" starts --config mono-imu/points/window --dataset "$data/euroc_mh01_flight" --every 8 > starts.txt ||
   fail "starts ends with an error"
 cat starts.txt

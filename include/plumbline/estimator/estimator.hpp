@@ -142,7 +142,7 @@ class Estimator {
           work_.make_keyframe(core_, view);
         }
       }
-      recovery_.found_pose(core_);
+      recovery_.found_pose(core_, view);
     }
     timing_.map = stage.lap();
   }

@@ -2,6 +2,8 @@
 /// When an image does not say where it was taken: the IMU bridges it, or the next ones are tried against the last good
 /// one; then all begins anew where the body is thought to be.  docs/robustness.md
 
+#include <algorithm>
+
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
 #include "plumbline/feature/view.hpp"
@@ -53,12 +55,14 @@ class Recovery {
     if (goes_on) return;
     odometry.estimate.resets += odometry.estimate.health.state != HealthState::initializing;
     lost_frames_ = 0;
+    coasted_s_ = 0;
     begin(odometry, beginning, view);
   }
-  /// What was lost is found again.
-  void found_pose(Odometry& odometry) {
+  /// What was lost is found again. Where that comes and goes readings and images do not belong together.
+  void found_pose(Odometry& odometry, const View<Sensors>& view) {
     if (lost_frames_ > 0) odometry.motion.lose();
     lost_frames_ = 0;
+    coasted_s_ = std::max(0.0, coasted_s_ - double(view.dt));
   }
 
  private:
@@ -113,7 +117,8 @@ class Recovery {
     odometry.estimate.covariance = covariance;
     odometry.estimate.tracked = 0;
     if (stands) odometry.good_ns = view.t_ns;
-    const bool lost = !(odometry.blind_s(view.t_ns) < options.max_coasting_s);
+    coasted_s_ = stands ? 0 : coasted_s_ + double(view.dt);
+    const bool lost = !(coasted_s_ < options.max_coasting_s);
     odometry.set_health(lost ? HealthState::lost : HealthState::degraded,
                         is_old || is_wrong ? lacks : HealthReason::coasting);
     return !lost || !shows_enough;
@@ -150,7 +155,8 @@ class Recovery {
     odometry.landmarks.for_each([](auto& store) { store.undo_frame(); });
   }
 
-  int lost_frames_ = 0;  ///< in a row whose image was of no use
+  int lost_frames_ = 0;   ///< in a row whose image was of no use
+  double coasted_s_ = 0;  ///< on the motion model alone, more than was tracked since
 };
 
 }  // namespace plumbline

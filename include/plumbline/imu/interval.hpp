@@ -26,6 +26,11 @@ struct ImuInterval {
   Vec<S, 3> mean_gyro() const { return S(0.5) * (gyro_begin + gyro_end); }
   Vec<S, 3> mean_accel() const { return S(0.5) * (accel_begin + accel_end); }
 
+  /// The accelerometer errs by that sigma beside its noise, as over one second [m/s^2].
+  void doubt_accelerometer(S sigma) {
+    for (int k = 0; k < 3; ++k) accel_sigma[k] = std::hypot(accel_sigma[k], sigma / std::sqrt(dt));
+  }
+
   template <std::floating_point Other>
   ImuInterval<Other> cast() const {
     return {Other(dt),

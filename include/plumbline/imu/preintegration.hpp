@@ -49,6 +49,12 @@ class Preintegration {
     for (const ImuInterval<S>& interval : intervals_) increment_.integrate(interval, noise_);
   }
 
+  /// The accelerometer errs by that sigma, as over one second, whatever it said [m/s^2].
+  void doubt_accelerometer(S sigma) {
+    for (ImuInterval<S>& interval : intervals_) interval.doubt_accelerometer(sigma);
+    reintegrate(increment_.bias_gyro, increment_.bias_accel);
+  }
+
   /// Whether the first-order correction to that gyroscope bias is too coarse: more than 0.01 rad, or a second-order
   /// error of the velocity above a tenth of its sigma. The accelerometer bias is corrected exactly.
   bool is_far(const Vec<S, 3>& bias_gyro) const {

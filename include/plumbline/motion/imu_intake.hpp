@@ -47,7 +47,9 @@ class ImuIntake {
   const ImuCoverage& coverage() const { return coverage_; }  ///< of the time since the last frame
   bool missing() const { return !(coverage_.missing() < 0.5); }
   /// Whether the readings since the last frame say nothing about the translation.
-  bool blind() const { return missing() || coverage_.saturated_s > 0; }
+  bool blind() const { return missing() || coverage_.saturated_s > 0 || accel_doubt_ > S(0); }
+  /// The accelerometer errs by that sigma all the while, whatever it says [m/s^2].
+  void doubt_accelerometer(S sigma) { accel_doubt_ = sigma; }
 
   /// Mean of the last readings that were integrated [rad/s]; zero when there is none.
   Vec<S, 3> latest_gyro(double duration_s) const {
@@ -73,7 +75,9 @@ class ImuIntake {
       between_frames_ = true;
     }
     coverage_ += buffer_.for_each_interval(integrated_ns_, until_ns, [&](const ImuInterval<double>& interval) {
-      since_frame_.add(interval.template cast<S>());
+      ImuInterval<S> cast = interval.template cast<S>();
+      if (accel_doubt_ > S(0)) cast.doubt_accelerometer(accel_doubt_);
+      since_frame_.add(cast);
     });
     buffer_.mark_used(until_ns);
     integrated_ns_ = until_ns;
@@ -84,6 +88,7 @@ class ImuIntake {
   ImuBuffer<> buffer_;
   Preintegration<S> since_frame_;
   ImuCoverage coverage_;
+  S accel_doubt_ = S(0);
   TimeNs integrated_ns_ = 0;     ///< readings are integrated up to there
   bool between_frames_ = false;  ///< some of them since the last frame
 };

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/result.hpp"
@@ -14,7 +13,9 @@
 #include "plumbline/feature/view.hpp"
 #include "plumbline/imu/standstill.hpp"
 #include "plumbline/lie/plus.hpp"
+#include "plumbline/motion/accelerometer_check.hpp"
 #include "plumbline/motion/camera_clock.hpp"
+#include "plumbline/motion/gyroscope_check.hpp"
 #include "plumbline/motion/imu_intake.hpp"
 #include "plumbline/motion/inertial_links.hpp"
 #include "plumbline/motion/inertial_options.hpp"
@@ -47,7 +48,9 @@ class Inertial {
         since_keyframe_(imu_.since(State{})),
         camera_imu_(options.camera_imu),
         clock_(rig.imu.camera_time_offset_s),
-        velocity_sigma_(options.velocity_sigma) {}
+        velocity_sigma_(options.velocity_sigma),
+        gyro_check_(options.gyro_check),
+        accel_check_(options.accel_check) {}
 
   const Options& options() const { return options_; }
   ImuIntake<S>& imu() { return imu_; }
@@ -76,7 +79,7 @@ class Inertial {
       at_rest_ = at_rest_ && seems_at_rest(t_ns);
     }
     clock_.set_gyro(imu_.latest_gyro(options_.rate_s));
-    since_jump_s_ += double(dt);
+    gyro_check_.pass(dt);
     imu_.begin_frame(t_ns);
   }
   /// Vision alone has no use for the lever arm: its body is the camera, turned. (Without depth it has another unit.)
@@ -94,6 +97,8 @@ class Inertial {
       return {x, {}};
     }
     Prediction<State, S> out{clock_.at_cut(latest), {true}};
+    before_ = out.state;
+    foretold_ = increment.predict(out.state, gravity_);
     if (at_rest_) set_zero(out.state.v_world_body);
     if (!imu_.blind()) {
       out.state = increment.predict(out.state, gravity_);
@@ -116,8 +121,8 @@ class Inertial {
   /// Whether images say of the frame what its readings exclude: a frozen picture, a scene that moves as a whole.
   /// A gyroscope that may be at fault does not rule: less is excluded until it is decided.
   bool contradicts(const Prediction<State, S>& predicted, const SE3<S>& T) const {
-    const double usual = gyro_is_suspect_ ? 2 * options_.max_innovation : options_.max_innovation;
-    const double gate = gyro_in_doubt() ? options_.doubted_innovation : usual;
+    const double usual = gyro_check_.is_suspect() ? 2 * options_.max_innovation : options_.max_innovation;
+    const double gate = gyro_check_.in_doubt() ? options_.doubted_innovation : usual;
     return !imu_.blind() && !predicted.prior.admits(minus(T, predicted.state.T_world_body), S(gate));
   }
   /// Whether a pose is near enough to what the readings foretell to be preferred to what more landmarks agree on: where
@@ -132,6 +137,7 @@ class Inertial {
   State update(const State& predicted, const SE3<S>& T, const Mat<S, 6, 6>& covariance, const View<Sensors>& view) {
     State x = predicted;
     compare_orientation(T.rotation(), covariance, predicted.bias_gyro);
+    if (is_metric_) check_accelerometer(T, covariance, view);
     if (is_metric_ && !imu_.blind()) look_for_jump(x, T, covariance, view.dt);
     if (!is_metric_) x.v_world_body = (T.p() - view.T_world_previous.p()) / view.dt;
     if (!is_metric_ || imu_.blind()) x.T_world_body = T;
@@ -149,7 +155,10 @@ class Inertial {
     const double sigma = std::sqrt(double(std::max({P(v, v), P(v + 1, v + 1), P(v + 2, v + 2)})));
     velocity_sigma_ = std::min(options_.velocity_sigma, options_.velocity_doubt * sigma);
   }
-  void lose() { velocity_sigma_ = options_.velocity_sigma; }
+  void lose() {
+    velocity_sigma_ = options_.velocity_sigma;
+    accel_check_.interrupt();
+  }
   bool carries_on() const { return is_metric_; }
   /// Of a pose after the readings of one frame without images.
   Mat<S, 6, 6> covariance_grown(const Mat<S, 6, 6>& before) const {
@@ -162,6 +171,8 @@ class Inertial {
   /// In a world of its own: what is kept are the biases.
   State restart(const State& latest) {
     is_metric_ = false;
+    accel_check_ = AccelerometerCheck<S>(options_.accel_check);
+    imu_.doubt_accelerometer(S(0));
     clock_.forget_window(camera_imu_);
     camera_imu_.forget_world();
     State x = latest;
@@ -187,7 +198,8 @@ class Inertial {
   bool ties_frames() const { return is_metric_; }
 
   Link link(int keyframe) const {
-    return {keyframe, since_keyframe_, at_rest_, jumped_since_keyframe_, clock_.keyframe(), clock_.cut()};
+    return {keyframe,          since_keyframe_, at_rest_, jumped_since_keyframe_, accel_check_.in_doubt(),
+            clock_.keyframe(), clock_.cut()};
   }
   void begin_link(const State& x) {
     since_keyframe_ = imu_.since(x);
@@ -210,13 +222,13 @@ class Inertial {
     const bool may_rest = is_metric_ && long_enough && rest_.at_rest();
     return needed || may_rest || ((blind_since_keyframe_ || jumped_since_keyframe_) && !imu_.blind());
   }
-  HealthReason doubt(const auto& links, const auto& window) const {
+  HealthReason doubt(const auto& links, const auto& window) {
+    const bool solved = is_metric_ && !at_rest_;  // at rest frames are not solved for
+    links_disagree_ = solved && links.disagreement(window) > options_.max_disagreement;
     if (imu_.missing()) return HealthReason::no_imu_data;
     if (imu_.coverage().saturated_s > 0) return HealthReason::imu_saturated;
-    if (gyro_in_doubt()) return HealthReason::imu_disagrees;
-    if (is_metric_ && !at_rest_ && links.disagreement(window) > options_.max_disagreement)
-      return HealthReason::imu_disagrees;  // at rest frames are not solved for
-    return HealthReason::none;
+    if (gyro_check_.in_doubt() || accel_check_.in_doubt()) return HealthReason::imu_disagrees;
+    return links_disagree_ ? HealthReason::imu_disagrees : HealthReason::none;
   }
 
   /// Whether nothing moved since the last keyframe, by image and IMU. Rest is left less easily than it is entered.
@@ -248,26 +260,28 @@ class Inertial {
                        cast_to<double>(rate));
   }
 
-  bool gyro_in_doubt() const { return since_jump_s_ < options_.jump_settles_s; }
+  /// An accelerometer that does not tell of the motion seen has no say: the body moves as images and gyroscope have it.
+  /// Where these two do not agree the images are in doubt themselves.
+  void check_accelerometer(const SE3<S>& T, const Mat<S, 6, 6>& covariance, const View<Sensors>& view) {
+    const bool watched = imu_.coverage().missing() == 0 && !at_rest_;
+    if (!watched) accel_check_.interrupt();
+    if (!watched || gyro_check_.is_suspect()) return;
+    const bool was_in_doubt = accel_check_.in_doubt();
+    const S sigma = std::sqrt((covariance(3, 3) + covariance(4, 4) + covariance(5, 5)) / S(3));
+    accel_check_.update(T.p(), sigma, view.T_world_previous.p(), before_, foretold_, view.dt, links_disagree_);
+    const S doubt = accel_check_.in_doubt() ? S(options_.accel_doubt) : S(0);
+    imu_.doubt_accelerometer(doubt);
+    if (doubt > S(0) && !was_in_doubt) since_keyframe_.doubt_accelerometer(doubt);
+  }
 
-  /// Images that turn otherwise than the gyroscope, for some time, always alike and beyond doubt: its bias has jumped.
-  /// d is log of what the prediction lacks, d = -(b - b_then) dt; the variance is that of the mean. It does so once:
-  /// what goes on is something else.
+  /// d is log of what the prediction lacks, d = -(b - b_then) dt.
   void look_for_jump(State& x, const SE3<S>& T, const Mat<S, 6, 6>& covariance, S dt) {
     const Vec<S, 3> d = (x.T_world_body.rotation().inverse() * T.rotation()).log();
-    const S part = std::min(S(1), dt / S(options_.rate_error_s)), rest = S(1) - part;
-    const S variance = (covariance(0, 0) + covariance(1, 1) + covariance(2, 2)) / (dt * dt);
-    rate_error_ += part * Vec<S, 3>(d / dt - rate_error_);
-    rate_variance_ = rest * rest * rate_variance_ + part * part * variance;
-    const S clear = S(options_.rate_error_sigmas) * std::sqrt(rate_variance_);
-    const S error = norm(rate_error_);
-    gyro_is_suspect_ = error > std::max(S(options_.max_rate_error), clear / S(2));
-    if (gyro_in_doubt() || !(error > std::max(S(options_.max_rate_error), clear))) return;
-    x.bias_gyro -= rate_error_;
+    if (!gyro_check_.update(d, (covariance(0, 0) + covariance(1, 1) + covariance(2, 2)) / S(3), dt)) return;
+    x.bias_gyro -= gyro_check_.rate_error();
     x.T_world_body = T;
-    set_zero(rate_error_);
+    gyro_check_.settle();
     jumped_since_keyframe_ = true;
-    since_jump_s_ = 0;
   }
 
   /// As far as the readings show.
@@ -288,14 +302,14 @@ class Inertial {
   CameraImuFilter camera_imu_;
   CameraClock<S> clock_;
   Vec<S, 3> angular_rate_ = zeros<S, 3>();
-  Vec<S, 3> rate_error_ = zeros<S, 3>();  ///< see look_for_jump [rad/s]
-  S rate_variance_ = S(0);
   double velocity_sigma_;                  ///< of the latest state [m/s]
   Vec<S, 3> place_sigma_ = zeros<S, 3>();  ///< of the predicted frame, by that [m]
-  double since_jump_s_ = std::numeric_limits<double>::infinity();
+  GyroscopeCheck<S> gyro_check_;
+  AccelerometerCheck<S> accel_check_;
+  State before_, foretold_;  ///< of the predicted frame: the state before, and what the readings make of it
   StandstillReport rest_;
   bool is_metric_ = false, blind_since_keyframe_ = false, jumped_since_keyframe_ = false, at_rest_ = false;
-  bool gyro_is_suspect_ = false;
+  bool links_disagree_ = false;
 };
 
 }  // namespace plumbline

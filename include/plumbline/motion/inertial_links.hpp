@@ -24,7 +24,8 @@ struct InertialLinkOptions {
   double rest_velocity_sigma = 0.01;          ///< of a body found at rest [m/s]
   double rest_rotation_sigma = 2e-3;          ///< between two frames of one standstill [rad]
   double rest_position_sigma = 2e-3;          ///< [m]
-  double jump_gyro_bias = 0.2;                ///< of a link in which the gyroscope's bias jumped, sigma [rad/s]
+  double accel_doubt = 20;      ///< of an accelerometer that does not tell of the motion seen, sigma [m/s^2]
+  double jump_gyro_bias = 0.2;  ///< of a link in which the gyroscope's bias jumped, sigma [rad/s]
 };
 
 /// What ties a frame to the one in slot `previous`, -1 for none.
@@ -34,6 +35,7 @@ struct InertialLink {
   Preintegration<S> increment;         ///< since then
   bool at_rest = false;                ///< the body did not move since then
   bool jumped = false;                 ///< the gyroscope's bias is another one since then
+  bool accel_in_doubt = false;         ///< the accelerometer does not tell of the motion
   ReadingCut<S> begin = {}, end = {};  ///< where its readings begin and end
 };
 
@@ -54,7 +56,10 @@ class InertialLinks {
   void activate() { active_ = true; }
   void deactivate() { active_ = false; }
 
+  /// An accelerometer that is found to be wrong was so before.
   void insert(int slot, const NavState<S>& x, const Link& link) {
+    if (link.accel_in_doubt && !accel_in_doubt_) doubt_accelerometer();
+    accel_in_doubt_ = link.accel_in_doubt;
     links_[slot].link = link;
     links_[slot].judged = true;
     integrate(links_[slot], x);
@@ -183,9 +188,19 @@ class InertialLinks {
 
   bool linked(const auto& window, int slot) const { return window[slot].used && previous(slot) >= 0; }
 
+  void doubt_accelerometer() {
+    for (Weighted& weighted : links_) {
+      if (weighted.link.previous < 0) continue;
+      weighted.link.increment.doubt_accelerometer(S(options_.accel_doubt));
+      weigh(weighted);
+    }
+  }
   void integrate(Weighted& weighted, const NavState<S>& x) const {
-    Increment& increment = weighted.link.increment;
-    increment.reintegrate(x.bias_gyro, x.bias_accel);
+    weighted.link.increment.reintegrate(x.bias_gyro, x.bias_accel);
+    weigh(weighted);
+  }
+  void weigh(Weighted& weighted) const {
+    const Increment& increment = weighted.link.increment;
     const auto L = weighted.link.jumped ? square_root_information(loosened(increment.increment()))
                                         : increment.increment().square_root_information();
     weighted.valid = bool(L) && !increment.empty();
@@ -245,7 +260,7 @@ class InertialLinks {
 
   InertialLinkOptions options_;
   Vec<S, 3> gravity_;
-  bool active_ = false;
+  bool active_ = false, accel_in_doubt_ = false;
   std::array<Weighted, Slots> links_;
 };
 

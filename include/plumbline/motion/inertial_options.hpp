@@ -4,6 +4,8 @@
 #include <algorithm>
 
 #include "plumbline/imu/standstill.hpp"
+#include "plumbline/motion/accelerometer_check.hpp"
+#include "plumbline/motion/gyroscope_check.hpp"
 #include "plumbline/motion/inertial_links.hpp"
 #include "plumbline/state/camera_imu_filter.hpp"
 
@@ -21,15 +23,13 @@ struct InertialOptions : InertialLinkOptions {
   double rate_s = 0.02;           ///< the body turns at an image as in so long before it, rows of the image with it
   double max_innovation = 8;      ///< of a frame's pose by its images against the readings [sigma]
   double doubted_innovation = 4;  ///< the same once another bias was found, which is to explain what is seen
-  double max_rate_error = 0.025;  ///< of the gyroscope against the images: more is another bias [rad/s]
-  double rate_error_s = 0.3;      ///< mean over so long
-  double rate_error_sigmas = 12;  ///< and so many sigma of that mean
-  double jump_settles_s = 3;      ///< readings are in doubt for so long
   double max_disagreement = 4;    ///< of readings and images, see InertialLinks; about 1 on a vibrating drone
   double rest_motion_px = 0.5;    ///< landmarks that moved less since the last keyframe do not contradict a standstill
   double rest_check_s = 0.3;      ///< they are watched for so long
   double rest_hysteresis = 2;     ///< limits are this much wider for a body at rest
   double max_rest_link_s = 2;     ///< a standstill goes on for ever, its readings are of use for so long
+  GyroscopeCheckOptions gyro_check;
+  AccelerometerCheckOptions accel_check;
   StandstillOptions standstill;
   CameraImuOptions camera_imu;
 
