@@ -36,7 +36,7 @@ struct ClockShift {
     const SO3<S> R_back = SO3<S>::exp(turned).inverse();
     const Rows3 J_phi = block<Rows, 3>(J, 0, 0), J_p = block<Rows, 3>(J, 0, position);
     const Rows3 J_world = product(J_p, (R_back * x.T_world_body.rotation().inverse()).matrix());
-    const Vec<S, Rows> by_delay = -(J_phi * w + J_world * x.v_world_body);
+    Vec<S, Rows> by_delay = -(J_phi * w + J_world * x.v_world_body);
     if (delay == S(0)) return by_delay;
     set_block(J, 0, 0, product(J_phi, R_back.matrix()));
     set_block(J, 0, position, product(J_p, R_back.matrix()));
