@@ -368,7 +368,7 @@ struct ShiftedChain : Chain<S> {
     std::array<ReadingCut<S>, 3> cuts;
     for (std::size_t k = 0; k < 3; ++k) cuts[k] = {cuts_s[k], noise.vector<3>().template cast<S>()};
     for (std::size_t k = 1; k < 3; ++k) {
-      InertialLink<S> link{slot[k - 1], links->increment(slot[k]), false, false, false, cuts[k - 1], cuts[k]};
+      InertialLink<S> link{slot[k - 1], links->increment(slot[k]), false, false, cuts[k - 1], cuts[k]};
       links->insert(slot[k], window[slot[k]].state.value(), link);
     }
     window.estimate_time_offset(cuts_s[2]);

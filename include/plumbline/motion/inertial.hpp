@@ -198,8 +198,8 @@ class Inertial {
   bool ties_frames() const { return is_metric_; }
 
   Link link(int keyframe) const {
-    return {keyframe,          since_keyframe_, at_rest_, jumped_since_keyframe_, accel_check_.in_doubt(),
-            clock_.keyframe(), clock_.cut()};
+    return {keyframe,     since_keyframe_,        at_rest_, jumped_since_keyframe_, clock_.keyframe(),
+            clock_.cut(), accel_check_.in_doubt()};
   }
   void begin_link(const State& x) {
     since_keyframe_ = imu_.since(x);

@@ -35,8 +35,8 @@ struct InertialLink {
   Preintegration<S> increment;         ///< since then
   bool at_rest = false;                ///< the body did not move since then
   bool jumped = false;                 ///< the gyroscope's bias is another one since then
-  bool accel_in_doubt = false;         ///< the accelerometer does not tell of the motion
   ReadingCut<S> begin = {}, end = {};  ///< where its readings begin and end
+  bool accel_in_doubt = false;         ///< the accelerometer does not tell of the motion
 };
 
 template <class S, int Slots>
