@@ -263,7 +263,8 @@ class Inertial {
   /// An accelerometer that does not tell of the motion seen has no say: the body moves as images and gyroscope have it.
   /// Where these two do not agree the images are in doubt themselves.
   void check_accelerometer(const SE3<S>& T, const Mat<S, 6, 6>& covariance, const View<Sensors>& view) {
-    const bool watched = imu_.coverage().missing() == 0 && !at_rest_;
+    const ImuCoverage& read = imu_.coverage();
+    const bool watched = read.missing() == 0 && read.saturated_s == 0 && !at_rest_;
     if (!watched) accel_check_.interrupt();
     if (!watched || gyro_check_.is_suspect()) return;
     const bool was_in_doubt = accel_check_.in_doubt();
