@@ -97,11 +97,11 @@ class Inertial {
       return {x, {}};
     }
     Prediction<State, S> out{clock_.at_cut(latest), {true}};
-    before_ = out.state;
-    foretold_ = increment.predict(out.state, gravity_);
     if (at_rest_) set_zero(out.state.v_world_body);
+    before_ = out.state;
+    foretold_ = increment.predict(before_, gravity_);
     if (!imu_.blind()) {
-      out.state = increment.predict(out.state, gravity_);
+      out.state = foretold_;
       if (at_rest_) set_zero(out.state.v_world_body);
     } else {
       const bool turn_unknown = imu_.missing() || imu_.coverage().gyro_saturated_s > 0;
