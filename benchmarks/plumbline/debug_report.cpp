@@ -175,7 +175,7 @@ void DebugReport::finish(const std::string& summary) {
   if (times_.empty()) return;
   std::vector<TruthError> errors;
   if (!truth_.empty()) {
-    errors = compare_with_truth(truth_, poses_, has_imu_);
+    errors = compare_with_truth(truth_, poses_, has_imu_).errors;
     write_errors(errors);
   }
   std::string text = summary;

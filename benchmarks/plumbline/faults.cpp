@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <optional>
 #include <stdexcept>
 
 #include <opencv2/imgproc.hpp>
@@ -149,9 +150,9 @@ const std::vector<Fault>& imu_faults() {
          });
        }},
       {"IMU 30 ms late", whole,
-       [](const Interval&) {
+       [](const Interval&) {  // the truth is told by its clock: what differs is the camera's, all the time
          return [](Event& event) {
-           if (auto* s = std::get_if<pl::ImuSample>(&event)) s->t_ns += 30'000'000;
+           if (auto* picture = std::get_if<Picture>(&event)) picture->t_ns -= 30'000'000;
            return true;
          };
        }},
@@ -207,10 +208,11 @@ void print_row(const Fault& fault, double duration_s, double clean_m, const std:
 }
 
 void run_faults(const Configuration& configuration, const LoadedRecording& recording, const FaultOptions& options) {
-  const auto run = [&](const Spoil& spoil) {
-    return run_trial(configuration, recording, recording.begin_ns, recording.end_ns, spoil);
+  const auto run = [&](const Spoil& spoil, const std::optional<pl::SO3<double>>& heading = std::nullopt) {
+    return run_trial(configuration, recording, recording.begin_ns, recording.end_ns, spoil, heading);
   };
-  const auto clean = run([](Event&) { return true; });
+  const Trial clean_trial = run([](Event&) { return true; });
+  const std::vector<JudgedFrame>& clean = clean_trial.frames;
   const double clean_m = ate_of(clean);
   const auto wrong = std::count_if(clean.begin(), clean.end(), [](const JudgedFrame& f) { return f.is_false(); });
   std::printf("%s on %s: %.4f m, %zu frames, %ld falsely tracking\n", configuration.name, recording.name.c_str(),
@@ -224,8 +226,8 @@ void run_faults(const Configuration& configuration, const LoadedRecording& recor
       const pl::TimeNs begin_ns = recording.begin_ns + length_ns / (options.times + 1) * k;
       const pl::TimeNs end_ns =
           std::isfinite(duration_s) ? begin_ns + std::llround(1e9 * duration_s) : recording.end_ns + length_ns;
-      outcomes.push_back(
-          outcome_of(run(fault.make({begin_ns, end_ns})), std::isfinite(duration_s) ? end_ns : begin_ns));
+      const Trial trial = run(fault.make({begin_ns, end_ns}), clean_trial.heading);
+      outcomes.push_back(outcome_of(trial.frames, std::isfinite(duration_s) ? end_ns : begin_ns));
     }
     print_row(fault, duration_s, clean_m, outcomes);
   };

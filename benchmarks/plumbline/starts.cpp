@@ -73,8 +73,8 @@ void run_starts(const Configuration& configuration, const LoadedRecording& recor
   const double length_s = pl::seconds_between(recording.begin_ns, recording.end_ns);
   for (double begin_s = 0; begin_s + options.duration_s <= length_s; begin_s += options.every_s) {
     const pl::TimeNs begin_ns = recording.begin_ns + std::llround(1e9 * begin_s);
-    const auto frames = run_trial(configuration, recording, begin_ns, begin_ns + std::llround(1e9 * options.duration_s),
-                                  [](Event&) { return true; });
+    const pl::TimeNs end_ns = begin_ns + std::llround(1e9 * options.duration_s);
+    const auto frames = run_trial(configuration, recording, begin_ns, end_ns, [](Event&) { return true; }).frames;
     if (frames.empty()) continue;
     const StartOutcome out = outcome_of(recording, frames);
     ++starts;

@@ -44,8 +44,8 @@ bool JudgedFrame::is_false() const {
   return estimate.health.state == pl::HealthState::tracking && (position_sigmas > limit || rotation_sigmas > limit);
 }
 
-std::vector<JudgedFrame> run_trial(const Configuration& configuration, const LoadedRecording& recording,
-                                   pl::TimeNs begin_ns, pl::TimeNs end_ns, const Spoil& spoil) {
+Trial run_trial(const Configuration& configuration, const LoadedRecording& recording, pl::TimeNs begin_ns,
+                pl::TimeNs end_ns, const Spoil& spoil, const std::optional<pl::SO3<double>>& heading) {
   const auto runner = configuration.make(recording.calibration);
   std::vector<JudgedFrame> frames;
   std::vector<EstimatedPose> poses;
@@ -74,13 +74,14 @@ std::vector<JudgedFrame> run_trial(const Configuration& configuration, const Loa
   }
   for (const Picture& picture : waiting) use(picture);
   std::size_t next = 0;
-  for (const TruthError& each : compare_with_truth(recording.truth, poses, configuration.needs.imu)) {
+  const TruthComparison comparison = compare_with_truth(recording.truth, poses, configuration.needs.imu, heading);
+  for (const TruthError& each : comparison.errors) {
     while (frames[next].t_ns != each.t_ns) ++next;
     frames[next].error_m = each.error.tail<3>().norm();
     frames[next].position_sigmas = std::sqrt(each.nees_position);
     frames[next].rotation_sigmas = std::sqrt(each.nees_rotation);
   }
-  return frames;
+  return {frames, comparison.heading};
 }
 
 double ate_of(const std::vector<JudgedFrame>& frames) {

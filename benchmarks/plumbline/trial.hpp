@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "plumbline/imu/sample.hpp"
 #include "plumbline/io/calibration_data.hpp"
 #include "plumbline/io/trajectory.hpp"
+#include "plumbline/lie/so3.hpp"
 #include "runner.hpp"
 
 struct Picture {
@@ -47,9 +49,15 @@ struct JudgedFrame {
   bool is_false() const;
 };
 
-/// Runs the events from begin_ns to end_ns.
-std::vector<JudgedFrame> run_trial(const Configuration& configuration, const LoadedRecording& recording,
-                                   plumbline::TimeNs begin_ns, plumbline::TimeNs end_ns, const Spoil& spoil);
+struct Trial {
+  std::vector<JudgedFrame> frames;
+  plumbline::SO3<double> heading;  ///< of the truth, see TruthComparison
+};
+
+/// Runs the events from begin_ns to end_ns. `heading`: that of a run that went well; this one may go astray.
+Trial run_trial(const Configuration& configuration, const LoadedRecording& recording, plumbline::TimeNs begin_ns,
+                plumbline::TimeNs end_ns, const Spoil& spoil,
+                const std::optional<plumbline::SO3<double>>& heading = std::nullopt);
 
 /// Root mean square of the errors [m]; NaN of no poses.
 double ate_of(const std::vector<JudgedFrame>& frames);

@@ -56,8 +56,8 @@ double nees(const pl::Vec<double, N>& e, const pl::Mat<double, N, N>& covariance
 
 }  // namespace
 
-std::vector<TruthError> compare_with_truth(const io::Trajectory& truth, const std::vector<EstimatedPose>& estimates,
-                                           bool gravity_is_known) {
+TruthComparison compare_with_truth(const io::Trajectory& truth, const std::vector<EstimatedPose>& estimates,
+                                   bool gravity_is_known, const std::optional<pl::SO3<double>>& heading) {
   std::vector<io::PosePair> pairs;
   std::vector<pl::Mat<double, 6, 6>> covariances;
   for (const EstimatedPose& estimate : estimates) {
@@ -66,28 +66,29 @@ std::vector<TruthError> compare_with_truth(const io::Trajectory& truth, const st
     pairs.push_back({estimate.t_ns, *reference, estimate.T_world_body});
     covariances.push_back(estimate.covariance);
   }
-  std::vector<TruthError> out;
+  TruthComparison out;
   if (pairs.empty()) return out;
 
   const pl::SE3<double> at_first = alignment_at(pairs.front(), gravity_is_known);
-  pl::SE3<double> whole = at_first, origin = at_first;  // where nothing moved there is no better one
+  pl::SE3<double> whole = at_first;  // where nothing moved there is no better one
   if (const auto S = io::align(pairs, gravity_is_known ? io::Alignment::posyaw : io::Alignment::se3)) {
     whole = pl::SE3<double>(S->rotation(), S->t()).inverse();
     // True positions are good to millimetres, true attitudes to a degree: over metres they tell the heading better.
-    if (gravity_is_known && extent_of(pairs) > min_extent_m) {
-      const io::PosePair& first = pairs.front();
-      origin = {whole.rotation(), first.estimate.p() - whole.rotation() * first.reference.p()};
-    }
+    if (gravity_is_known && extent_of(pairs) > min_extent_m)
+      out.heading = at_first.rotation().inverse() * whole.rotation();
   }
+  if (heading) out.heading = *heading;
+  const pl::SO3<double> R = at_first.rotation() * out.heading;
+  const pl::SE3<double> origin{R, pairs.front().estimate.p() - R * pairs.front().reference.p()};
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     using Vec3 = pl::Vec<double, 3>;
     using Mat3 = pl::Mat<double, 3, 3>;
     pl::Vec<double, 6> e = pl::minus(at_first * pairs[i].reference, pairs[i].estimate);
     e.tail<3>() = pl::minus(origin * pairs[i].reference, pairs[i].estimate).tail<3>();
-    out.push_back({pairs[i].t_ns, pl::minus(whole * pairs[i].reference, pairs[i].estimate),
-                   nees<3>(Vec3(e.head<3>()), Mat3(covariances[i].topLeftCorner<3, 3>())),
-                   nees<3>(Vec3(e.tail<3>()), Mat3(covariances[i].bottomRightCorner<3, 3>())),
-                   nees<6>(e, covariances[i])});
+    out.errors.push_back({pairs[i].t_ns, pl::minus(whole * pairs[i].reference, pairs[i].estimate),
+                          nees<3>(Vec3(e.head<3>()), Mat3(covariances[i].topLeftCorner<3, 3>())),
+                          nees<3>(Vec3(e.tail<3>()), Mat3(covariances[i].bottomRightCorner<3, 3>())),
+                          nees<6>(e, covariances[i])});
   }
   return out;
 }

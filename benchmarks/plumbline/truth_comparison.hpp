@@ -1,11 +1,13 @@
 #pragma once
 /// How far poses are from the truth, and whether their covariances say so.
 
+#include <optional>
 #include <vector>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
 #include "plumbline/io/trajectory.hpp"
+#include "plumbline/lie/so3.hpp"
 
 struct EstimatedPose {
   plumbline::TimeNs t_ns;
@@ -14,19 +16,26 @@ struct EstimatedPose {
 };
 
 /// Of one pose. The error e = minus(truth, estimate) [dphi, dp] is that after aligning all poses. NEES, e^T P^-1 e, has
-/// the truth aligned at the first pose instead, which is where the covariances count from (positions with an IMU and
-/// some metres of path: with the heading of all of them): 6 is expected of a pose, 3 of its parts; NaN where P is not
-/// positive definite.
+/// the truth aligned at the first pose instead, which is where the covariances count from (positions with an IMU:
+/// turned by `heading`): 6 is expected of a pose, 3 of its parts; NaN where P is not positive definite.
 struct TruthError {
   plumbline::TimeNs t_ns;
   plumbline::Vec<double, 6> error;
   double nees_rotation, nees_position, nees_pose;
 };
 
+struct TruthComparison {
+  std::vector<TruthError> errors;
+  /// Turns true positions to true attitudes, which may be a degree off: the heading of the first pose becomes that of
+  /// all positions. Nothing where these say little of it.
+  plumbline::SO3<double> heading;
+};
+
 /// The truth is interpolated; poses without it within 0.1 s are left out. What is aligned is position and heading where
-/// `gravity_is_known`, else the whole pose.
-std::vector<TruthError> compare_with_truth(const plumbline::io::Trajectory& truth,
-                                           const std::vector<EstimatedPose>& estimates, bool gravity_is_known);
+/// `gravity_is_known`, else the whole pose. `heading`: another run's, which knows it better.
+TruthComparison compare_with_truth(const plumbline::io::Trajectory& truth, const std::vector<EstimatedPose>& estimates,
+                                   bool gravity_is_known,
+                                   const std::optional<plumbline::SO3<double>>& heading = std::nullopt);
 
 /// Root mean square of the distances [m].
 double position_rmse(const std::vector<TruthError>& errors);

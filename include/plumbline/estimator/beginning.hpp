@@ -156,7 +156,7 @@ class Beginning {
       }
       if (!start_.align(T_body_cam, odometry.options.motion.gravity, report_) ||
           !start_.is_in_time(odometry.motion.camera_imu(), seconds_between(first_view_ns_, view.t_ns)))
-        return publish_rough(odometry);
+        return start_.is_contradicted() ? give_up(odometry, view) : publish_rough(odometry);
       const State before = odometry.window().latest();
       odometry.landmarks.for_each([&](auto& store) { store.rescale(start_.scale()); });
       odometry.backend.restart([&](int slot) { return state_of(odometry.window().T_world_body(slot), T_body_cam); },
@@ -168,10 +168,7 @@ class Beginning {
       const State x = odometry.window().latest();
       if (!start_.believes(x)) {
         odometry.window().set_latest(before);
-        ++report_.rejected;
-        take_first_view(odometry, view);
-        report_.stage = InitStage::not_believed;
-        return;
+        return give_up(odometry, view);
       }
       odometry.motion.become_metric();
       if constexpr (Start::needs_second_view) {
@@ -193,6 +190,12 @@ class Beginning {
   void wait(Odometry& odometry, HealthReason reason, InitStage stage) {
     odometry.estimate.health = {odometry.estimate.resets > 0 ? HealthState::lost : HealthState::initializing, reason};
     report_.stage = stage;
+  }
+  /// What was gathered does not fit together.
+  void give_up(Odometry& odometry, const View<Sensors>& view) {
+    ++report_.rejected;
+    take_first_view(odometry, view);
+    report_.stage = InitStage::not_believed;
   }
   void finish(const View<Sensors>& view) {
     report_.stage = InitStage::done;

@@ -75,6 +75,12 @@ constexpr const char* name_of(AlignmentOutcome outcome) {
   return "unknown outcome";
 }
 
+/// Whether no motion, gravity and biases explain both poses and readings.
+constexpr bool contradicts(AlignmentOutcome outcome) {
+  return outcome == AlignmentOutcome::rotations_disagree || outcome == AlignmentOutcome::positions_disagree ||
+         outcome == AlignmentOutcome::gravity_implausible;
+}
+
 template <std::floating_point S, int MaxFrames>
 struct InertialAlignment {
   AlignmentOutcome outcome = AlignmentOutcome::too_few_frames;
@@ -97,10 +103,7 @@ struct InertialAlignment {
     return !v_world_body.empty() &&
            (outcome == AlignmentOutcome::gravity_uncertain || outcome == AlignmentOutcome::scale_uncertain);
   }
-  /// Whether no motion, gravity and biases explain both poses and readings.
-  bool contradicts() const {
-    return outcome == AlignmentOutcome::positions_disagree || outcome == AlignmentOutcome::gravity_implausible;
-  }
+  bool contradicts() const { return plumbline::contradicts(outcome); }
 
   /// State of frame k. The world's origin is that of the camera poses.
   NavState<S> state(std::size_t k, const SE3<S>& T_ref_cam, const SE3<S>& T_body_cam) const {

@@ -29,6 +29,7 @@ struct InertialStartOptions {
   double max_readout_error_s = 4e-3;   ///< or the readout time of its shutter
   double max_time_sigma_s = 3e-3;      ///< of the camera's clock, when images and readings are first solved together
   double max_time_wait_s = 2;          ///< for that
+  double max_contradiction_s = 2;      ///< poses that contradict the readings for longer are of a wrong map
   InertialAlignmentOptions alignment;
 };
 
@@ -49,10 +50,13 @@ class InertialStart {
   void clear() {
     window_.clear();
     has_estimate_ = false;
+    tried_ns_ = 0;
+    contradicted_s_ = 0;
   }
   /// One more of them, with the readings since the frame before and what the rig was found to be: its clock cuts the
   /// readings, its readout moves the images. True when it is worth trying to align.
   bool add(TimeNs t_ns, const SE3<S>& T_ref_cam, const Preintegration<S>& since_last, const auto& rig_state) {
+    t_ns_ = t_ns;
     time_offset_s_ = rig_state.time_offset_s();
     const double readout_s = double(rig_state.readout().value_s);
     if (!(std::abs(time_offset_s_ - series_time_offset_s_) < options_.max_time_error_s &&
@@ -89,12 +93,16 @@ class InertialStart {
         window_.forget_rough();
       }
     }
+    count_contradiction(report.alignment);
     if (!is_of_use(found)) return false;
     found_ = found;
     has_estimate_ = true;
+    contradicted_s_ = 0;
     gravity_ref_ = found_.R_world_ref.inverse() * gravity_in_world<S>(S(gravity));
     return agree;
   }
+  /// Whether poses and readings have contradicted each other for long: a map that was begun with wrong readings.
+  bool is_contradicted() const { return contradicted_s_ > options_.max_contradiction_s; }
 
   /// Whether the camera's clock seems right, or will not be found out in reasonable time.
   bool is_in_time(const CameraImuFilter& found, double since_first_view_s) const {
@@ -147,11 +155,19 @@ class InertialStart {
     return found || (found.is_rough() && found.scale_sigma < options_.max_rough_scale_sigma);
   }
 
+  /// That gravity is uncertain says neither.
+  void count_contradiction(AlignmentOutcome outcome) {
+    if (tried_ns_ > 0 && contradicts(outcome)) contradicted_s_ += seconds_between(tried_ns_, t_ns_);
+    tried_ns_ = t_ns_;
+  }
+
   Options options_;
   Visual visual_;
   AlignmentWindow<S> window_;
   Alignment found_;
   bool has_estimate_ = false;
+  TimeNs t_ns_ = 0, tried_ns_ = 0;                          ///< of the latest pose, and of that when it was last tried
+  double contradicted_s_ = 0;                               ///< since poses and readings last agreed
   double time_offset_s_ = 0;                                ///< as it is known now
   double series_time_offset_s_ = 0, series_readout_s_ = 0;  ///< as they were when the poses began that are not rough
   Vec<S, 3> gravity_ref_ = zeros<S, 3>();

@@ -13,7 +13,7 @@ enum class InitStage : std::uint8_t {
   little_parallax,  ///< a camera without depth must move sideways
   two_views_disagree,
   aligning,      ///< see the alignment's outcome
-  not_believed,  ///< aligned, but all images and readings together need an impossible bias: begun anew
+  not_believed,  ///< aligned, but only with an impossible bias, or contradicted by the readings for long: begun anew
   done,
 };
 
