@@ -1,5 +1,5 @@
 # The interface targets. Headers are collected by folder: the folder decides which target, and so which
-# dependencies, a header belongs to. Each header set is verified: every header compiles alone.
+# dependencies, a header belongs to. Every header compiles alone (tests/headers_alone.cmake).
 #
 #   plumbline::core      the estimator; Eigen only
 #   plumbline::thread    an executor with a thread of its own; the system's threads
@@ -25,8 +25,7 @@ function(plumbline_add_target name)
   list(APPEND headers ${ARG_FILES})
   add_library(plumbline_${name} INTERFACE)
   add_library(plumbline::${name} ALIAS plumbline_${name})
-  set_target_properties(plumbline_${name} PROPERTIES EXPORT_NAME ${name}
-    VERIFY_INTERFACE_HEADER_SETS ${PROJECT_IS_TOP_LEVEL})
+  set_target_properties(plumbline_${name} PROPERTIES EXPORT_NAME ${name})
   target_sources(plumbline_${name} INTERFACE FILE_SET HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}/include"
     FILES ${headers})
   target_compile_features(plumbline_${name} INTERFACE cxx_std_20)
