@@ -157,6 +157,11 @@ TEMPLATE_TEST_CASE("landmark_store: a frame is recorded, rejected from, and undo
   for (const auto& each : store.landmarks()) REQUIRE(same(each.current, each.observations[3]));
   store.begin_frame();
   REQUIRE(store.rejected().empty());
+  store.lose_sight();
+  REQUIRE(store.seen_count() == 0);
+  REQUIRE(store.landmarks().size() == 6);
+  store.undo_frame();
+  REQUIRE(store.seen_count() == 6);
 }
 
 TEMPLATE_TEST_CASE("landmark_store: motion and ranges are sums over what is in sight", "", SCENES) {

@@ -199,6 +199,13 @@ TEMPLATE_TEST_CASE("inertial: where readings are missing images turn, and tell t
     solved.v_world_body.setZero();
     REQUIRE(drive.motion->revise(drive.latest, solved, S(frame_s)));
     CHECK(double((solved.v_world_body - drive.truth(0).v_world_body).norm()) < 1e-3);
+    NavState<S> jumped = x;
+    jumped.T_world_body = SE3<S>(x.T_world_body.rotation(), x.T_world_body.p() + Vec<S, 3>(0, 3, 4));
+    REQUIRE(drive.motion->revise(drive.latest, jumped, S(frame_s)));
+    const Vec<S, 3> change = jumped.v_world_body - drive.latest.v_world_body;
+    const double most = InertialOptions().accel_doubt * frame_s;
+    CHECK(double(change.norm()) == Approx(most).epsilon(1e-3));
+    CHECK(double(change.dot(Vec<S, 3>(0, 3, 4))) == Approx(5 * most).epsilon(0.05));
     drive.found();
   }
   drive.go_on(1);
@@ -322,6 +329,30 @@ TEMPLATE_TEST_CASE("inertial: an accelerometer that images contradict has no say
   for (int k = 0; k < 100; ++k) go_on(0);
   CHECK_FALSE(drive.motion->link(0).accel_in_doubt);
   CHECK(drive.confirm_keyframe(100, false));  // the link that is blind in parts ends
+}
+
+TEMPLATE_TEST_CASE("inertial: where both sensors seem to fail at once the images are wrong", "", float, double) {
+  using S = TestType;
+  Drive<S> drive;
+  drive.motion->become_metric();
+  const auto go_on = [&](double gyro_error, double accel_error) {
+    drive.advance_with([&](ImuSample& sample) {
+      sample.gyro.x() += gyro_error;
+      sample.accel.x() += accel_error;
+    });
+    const auto predicted = drive.predict();
+    const NavState<S> x =
+        drive.motion->update(predicted.state, drive.truth(drive.now).T_world_body, drive.sure(), drive.view());
+    drive.found();
+    drive.latest.bias_gyro = x.bias_gyro;
+  };
+  for (int k = 0; k < 80; ++k) go_on(0, 0);
+  for (int k = 0; k < 20; ++k) go_on(0.1, 0);
+  for (int k = 0; k < 20; ++k) go_on(0.1, 4);
+  CHECK_FALSE(drive.motion->link(0).accel_in_doubt);
+  for (int k = 0; k < 80; ++k) go_on(0.1, 0);
+  for (int k = 0; k < 20; ++k) go_on(0.1, 4);
+  CHECK(drive.motion->link(0).accel_in_doubt);
 }
 
 TEMPLATE_TEST_CASE("inertial: images that the readings exclude", "", float, double) {

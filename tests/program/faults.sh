@@ -20,6 +20,13 @@ cat turned.txt
 awk '/^accel y turned / {++rows; if (!($6 < 2 && $8 < 10)) bad = 1} END {exit bad || rows != 1}' turned.txt ||
   fail "an axis of the accelerometer that turns leads the estimate away"
 
+# What is followed out of the dark by mistake does not say where the body is.
+"$plumbline" faults --config rgbd-imu/points+lines/window --dataset "$data/rendered_lowtex_rgbd" --fault black --for 2 \
+  --times 8 > dark.txt || fail "faults in the dark ends with an error"
+cat dark.txt
+awk '/^black / {++rows; if (!($6 < 3 && $8 < 10)) bad = 1} END {exit bad || rows != 1}' dark.txt ||
+  fail "two seconds of darkness lead the estimate away, and it does not say so"
+
 "$plumbline" starts --config mono-imu/points/window --dataset "$data/euroc_mh01_flight" --every 8 > starts.txt ||
   fail "starts ends with an error"
 cat starts.txt

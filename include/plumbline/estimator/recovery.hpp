@@ -136,9 +136,11 @@ class Recovery {
     }
     return false;
   }
-  /// What was seen before is out of sight: a keyframe at the latest state, if the image shows corners at all.
+  /// What was seen before is out of sight: a keyframe at the latest state, if the image shows corners at all. The few
+  /// that were followed here were too few to agree on anything, and must not tie it.
   static bool look_anew(Odometry& odometry, const View<Sensors>& view) {
     odometry.drop_temporary();
+    odometry.landmarks.for_each([](auto& store) { store.lose_sight(); });
     const int slot =
         odometry.backend.insert(view.t_ns, odometry.window().latest(), odometry.motion.link(odometry.keyframe()));
     odometry.front_ends.detect(view, odometry.window(), odometry.landmarks, slot);

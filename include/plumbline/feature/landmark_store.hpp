@@ -62,6 +62,10 @@ class LandmarkStore {
   void undo_frame() {
     for (Landmark& landmark : landmarks_) landmark.current = landmark.previous;
   }
+  /// Whatever the latest frame took for them, it sees none of them.
+  void lose_sight() {
+    for (Landmark& landmark : landmarks_) landmark.current.valid = false;
+  }
   /// The latest frame does not see this landmark after all.
   void reject(int index) {
     Landmark& landmark = landmarks_[static_cast<std::size_t>(index)];

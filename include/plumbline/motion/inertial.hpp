@@ -143,10 +143,14 @@ class Inertial {
     if (!is_metric_ || imu_.blind()) x.T_world_body = T;
     return x;
   }
-  /// Where the readings were of no use the images tell the velocity.
+  /// Where the readings were of no use the images tell the velocity. A place that jumps tells none: it changes by no more
+  /// than a doubted accelerometer could be wrong by.
   bool revise(const State& before, State& solved, S dt) const {
     if (!blind_since_keyframe_) return false;
-    solved.v_world_body = (solved.T_world_body.p() - before.T_world_body.p()) / dt;
+    const Vec<S, 3> seen = (solved.T_world_body.p() - before.T_world_body.p()) / dt,
+                    change = seen - before.v_world_body;
+    const S size = norm(change), most = S(options_.accel_doubt) * dt;
+    solved.v_world_body = size > most ? Vec<S, 3>(before.v_world_body + (most / size) * change) : seen;
     return true;
   }
   /// How well the window knows the latest state, its velocity after its pose.
@@ -264,7 +268,7 @@ class Inertial {
   /// Where these two do not agree the images are in doubt themselves.
   void check_accelerometer(const SE3<S>& T, const Mat<S, 6, 6>& covariance, const View<Sensors>& view) {
     const ImuCoverage& read = imu_.coverage();
-    const bool watched = read.missing() == 0 && read.saturated_s == 0 && !at_rest_;
+    const bool watched = read.missing() == 0 && read.saturated_s == 0 && !at_rest_ && !gyro_check_.in_doubt();
     if (!watched) accel_check_.interrupt();
     if (!watched || gyro_check_.is_suspect()) return;
     const bool was_in_doubt = accel_check_.in_doubt();
