@@ -143,8 +143,8 @@ class Inertial {
     if (!is_metric_ || imu_.blind()) x.T_world_body = T;
     return x;
   }
-  /// Where the readings were of no use the images tell the velocity. A place that jumps tells none: it changes by no more
-  /// than a doubted accelerometer could be wrong by.
+  /// Where the readings were of no use the images tell the velocity. A place that jumps tells none: it changes by no
+  /// more than a doubted accelerometer could be wrong by.
   bool revise(const State& before, State& solved, S dt) const {
     if (!blind_since_keyframe_) return false;
     const Vec<S, 3> seen = (solved.T_world_body.p() - before.T_world_body.p()) / dt,
