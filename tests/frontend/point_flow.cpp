@@ -120,6 +120,12 @@ TEST_CASE("point_flow: beside an IMU aligned points are worth more") {
   REQUIRE(beside.sigma_flow_px == alone.sigma_flow_px);
 }
 
+TEST_CASE("point_flow: beside an IMU what a camera with depth sees without is not believed at once") {
+  using Inertial = Rig<Rgbd<Pinhole<float>, SimulatedRgbd::width * SimulatedRgbd::height>, Imu>;
+  REQUIRE(Life<float, 50, Inertial>::FrontEnd::Options().min_views == 3);
+  REQUIRE(Life<float, 50>::FrontEnd::Options().min_views == 1);
+}
+
 TEMPLATE_TEST_CASE("point_flow: a keyframe fills the map with corners that have depth", "", float, double) {
   Life<TestType, 250> life;
   life.begin();
@@ -325,6 +331,32 @@ TEMPLATE_TEST_CASE("point_flow: a camera without depth locates by parallax", "",
     REQUIRE(S(1) / landmark.geometry.inverse_range > S(0.3));
     REQUIRE(S(1) / landmark.geometry.inverse_range < S(20));
   }
+}
+
+TEMPLATE_TEST_CASE("point_flow: where one view is not believed a keyframe and the frame must agree", "", float,
+                   double) {
+  using S = TestType;
+  PointFlowOptions options;
+  options.min_views = 2;
+  // How many frame 7 locates: frame 4 is a keyframe that sees what is shown there, or later, or is none.
+  const auto located = [&](bool is_keyframe, bool sees_later) {
+    Life<S, 250, MonoRig<S>> life(options);
+    life.begin();
+    int slot = 0;
+    for (int i = 1; i < 8; ++i) {
+      life.track(i);
+      life.refine(i);
+      if (is_keyframe && i == 4) life.store->record(slot = life.window.insert(i, {life.T(i)}));
+    }
+    if (sees_later) life.store->record(slot);
+    life.flow->locate(life.view(7), life.window, *life.store, life.T(7));
+    if (is_keyframe && !sees_later) CHECK(life.error_px(7) < 0.5f);
+    return life.store->tracked_count();
+  };
+  const int right = located(true, false);
+  CHECK(right > 10);
+  CHECK(located(true, true) < right / 4);
+  CHECK(located(false, false) == 0);
 }
 
 TEST_CASE("point_flow: a landmark without depth in its keyframe is located by a later frame's") {

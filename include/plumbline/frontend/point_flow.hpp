@@ -3,9 +3,10 @@
 /// warped as the estimated motion says, keep them from sliding. Landmarks out of sight stay in the store and are looked
 /// for where the estimated pose puts them.                              docs/math/tracking.md, docs/math/point.md
 
-#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/feature/landmark_store.hpp"
@@ -25,6 +26,7 @@ struct PointFlowOptions {
   double sigma_flow_px = 1.0;   ///< of a frame-to-frame observation
   int target_count = 180;       ///< corners are detected until this many landmarks are in sight
   int max_searches = 200;       ///< landmarks out of track that one frame looks for
+  int min_views = 1;            ///< besides the anchor, that agree on where a point without depth is
   float max_drift_px = 2.0f;    ///< flow and alignment with the anchor may differ by this much
   OpticalFlowOptions flow;
   AlignmentOptions alignment;
@@ -33,13 +35,15 @@ struct PointFlowOptions {
 };
 
 /// Of a rig: beside the readings of an IMU an aligned point must weigh what it is worth, or the scale follows their
-/// errors. Where images are all there is only the weights among points matter.                   docs/math/point.md
+/// errors. Where images are all there is only the weights among points matter. What moves with the camera has no depth,
+/// and one view locates it as if it stood there.                                                 docs/math/point.md
 template <SensorRig Sensors>
 struct PointOptionsOf : PointFlowOptions {
   constexpr PointOptionsOf() {
     if constexpr (Sensors::has_imu) {
       sigma_px /= 2;
       sigma_intensity /= 2;
+      if constexpr (Sensors::has_depth) min_views = 3;
     }
   }
 };
@@ -122,7 +126,7 @@ class PointFlow {
     if (n > 0) first_search_ = (first_search_ + static_cast<std::size_t>(options_.max_searches)) % n;
   }
 
-  /// By the frame's depth, or by parallax where there is enough.
+  /// By the frame's depth, or by parallax where there is enough, against keyframes too where one view is not believed.
   void locate(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
     const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
     const S sigma_rad = S(options_.sigma_flow_px) / effective_focal_length(view.camera());
@@ -133,9 +137,12 @@ class PointFlow {
       const SE3<S> T_cam_anchor = T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam);
       locate_from_depth(landmark, ray.bearing, T_cam_anchor);
       if (landmark.located) continue;
-      const std::array<TriangulationView<S>, 1> views{{{T_cam_anchor, ray.bearing, sigma_rad}}};
-      const Triangulation<S> found = triangulate<S>(landmark.geometry.bearing, views, options_.triangulation);
-      if (!found.valid) continue;
+      Views views;
+      views.push_back({T_cam_anchor, ray.bearing, sigma_rad});
+      if (options_.min_views > 1) add_keyframes(view, window, landmark, sigma_rad, views);
+      const std::span<const TriangulationView<S>> all(views.data(), views.size());
+      const Triangulation<S> found = triangulate<S>(landmark.geometry.bearing, all, options_.triangulation);
+      if (!found.valid || static_cast<int>(views.size()) < options_.min_views) continue;
       landmark.located = true;
       landmark.geometry.inverse_range = found.inverse_range;
       landmark.geometry.sigma_inverse_range = std::sqrt(found.variance);
@@ -233,6 +240,20 @@ class PointFlow {
   }
   static Vec<S, 3> p_world(const Landmark& landmark, const auto& window, const SE3<S>& T_body_cam) {
     return window.T_world_body(landmark.anchor) * (T_body_cam * Kind::middle(landmark.geometry));
+  }
+
+  using Views = FixedVector<TriangulationView<S>, static_cast<std::size_t>(Store::slots) + 1>;
+  /// Those that saw the landmark, but its anchor.
+  static void add_keyframes(const View<Sensors>& view, const auto& window, const Landmark& landmark, S sigma_rad,
+                            Views& views) {
+    const SE3<S> T_world_anchor = window.T_world_body(landmark.anchor) * view.T_body_cam;
+    for (int slot = 0; slot < Store::slots; ++slot) {
+      const auto& seen = landmark.observations[static_cast<std::size_t>(slot)];
+      if (slot == landmark.anchor || !seen.valid) continue;
+      const Unprojection<S> ray = view.camera().unproject(seen.uv.template cast<S>());
+      const SE3<S> T_cam_world = (window.T_world_body(slot) * view.T_body_cam).inverse();
+      if (ray.valid) views.push_back({T_cam_world * T_world_anchor, ray.bearing, sigma_rad});
+    }
   }
 
   /// The inverse range of a landmark from the depth measured along `bearing` in the latest frame.
