@@ -36,7 +36,7 @@ struct PointFlowOptions {
 
 /// Of a rig: beside the readings of an IMU an aligned point must weigh what it is worth, or the scale follows their
 /// errors. Where images are all there is only the weights among points matter. What moves with the camera has no depth,
-/// and one view locates it as if it stood there.                                                 docs/math/point.md
+/// and one view locates it as if it stood there.                            docs/math/point.md, docs/math/geometry.md 4
 template <SensorRig Sensors>
 struct PointOptionsOf : PointFlowOptions {
   constexpr PointOptionsOf() {
@@ -140,9 +140,10 @@ class PointFlow {
       Views views;
       views.push_back({T_cam_anchor, ray.bearing, sigma_rad});
       if (options_.min_views > 1) add_keyframes(view, window, landmark, sigma_rad, views);
+      if (static_cast<int>(views.size()) < options_.min_views) continue;
       const std::span<const TriangulationView<S>> all(views.data(), views.size());
       const Triangulation<S> found = triangulate<S>(landmark.geometry.bearing, all, options_.triangulation);
-      if (!found.valid || static_cast<int>(views.size()) < options_.min_views) continue;
+      if (!found.valid) continue;
       landmark.located = true;
       landmark.geometry.inverse_range = found.inverse_range;
       landmark.geometry.sigma_inverse_range = std::sqrt(found.variance);
