@@ -39,7 +39,7 @@ struct InertialAlignmentOptions {
   bool metric = false;            ///< translations of the camera poses are in metres
   double rotation_sigma = 2e-3;   ///< of a camera pose [rad]
   double position_sigma = 2e-3;   ///< of a camera pose, in units of the poses
-  double accel_bias_sigma = 0.1;  ///< prior [m/s^2]
+  double accel_bias_sigma = 0.2;  ///< prior [m/s^2]
   std::size_t min_frames = 5;
   double max_gyro_residual = 0.02;  ///< [rad]
   double max_chi2 = 3;              ///< for each degree of freedom; poses that agree have below 1

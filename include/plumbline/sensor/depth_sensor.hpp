@@ -4,6 +4,10 @@
 /// Triangulating sensors (structured light, stereo) measure a disparity; 1/z is linear in it, therefore
 ///   sigma(1/z)^2 = k^2 + (k0/z^2)^2                                                                          (9)
 /// with k constant over depth and k0 [m] for what is left at short range.
+///
+/// A corner where a surface ends belongs to the nearer of two surfaces, and stands up to some pixels beside it. Over a
+/// plane 1/z is linear in the pixel, so that opposite pixels tell where one begins:
+///   bend_d = 1/z(u + d) + 1/z(u - d) - 2/z(u)                                                                (9a)
 
 #include <algorithm>
 #include <array>
@@ -31,13 +35,15 @@ struct DepthSensor {
   S k = S(6.0e-3);              ///< [1/m] of (9)
   S k0 = S(3.0e-2);             ///< [m] of (9): calibration, registration and time stamps are not better than this
   S edge_sigmas = S(3);         ///< the 3x3 neighbours may differ by this many sigma, else it is a depth edge
+  S contour_sigmas = S(1);      ///< bends of so much are those of a nearer surface, see (9a)
 
   S sigma_of(S inverse_depth) const {
     const S near = k0 * inverse_depth * inverse_depth;
     return std::sqrt(k * k + near * near);  // (9)
   }
 
-  /// Median of the valid 3x3 neighbours of (u, v) [px]. Needs five of nine, and no depth edge between them.
+  /// Median of the valid 3x3 neighbours of (u, v) [px], or what is nearer and begins within three pixels. Needs five of
+  /// nine, and no depth edge between them.
   InverseDepth<S> at(const ImageView<const std::uint16_t>& depth, const Vec<float, 2>& uv) const {
     if (depth.empty() || !depth.contains(uv.x(), uv.y(), 1.5f)) return {};
     const int x = static_cast<int>(std::lround(uv.x())), y = static_cast<int>(std::lround(uv.y()));
@@ -58,7 +64,30 @@ struct DepthSensor {
     out.sigma = sigma_of(out.value);
     const S sigma_z = out.sigma * z * z, spread = S(raw[n - 1] - raw[0]) / units_per_metre;
     out.valid = spread <= 2 * edge_sigmas * sigma_z;
+    if (out.valid) out.value = foremost(depth, x, y, out);
     return out;
+  }
+
+ private:
+  /// The mean of the nearer surface, where two bends (9a) are beyond their limit and none is half as much the other
+  /// way, as noise would have it; else what was measured.
+  S foremost(const ImageView<const std::uint16_t>& depth, int x, int y, const InverseDepth<S>& measured) const {
+    constexpr int far = 3;
+    constexpr std::array<std::array<int, 2>, 4> directions{{{far, 0}, {far, far}, {0, far}, {-far, far}}};
+    if (!depth.contains(x, y, far)) return measured.value;
+    S nearer = S(0), bends = S(0), farthest = S(0);
+    int n = 0;
+    for (const auto& [dx, dy] : directions) {
+      const std::uint16_t raw_a = depth(x + dx, y + dy), raw_b = depth(x - dx, y - dy);
+      if (raw_a == 0 || raw_b == 0) continue;
+      const S a = units_per_metre / S(raw_a), b = units_per_metre / S(raw_b), bend = a + b - 2 * measured.value;
+      farthest = std::min(farthest, bend);
+      if (!(bend > contour_sigmas * measured.sigma)) continue;
+      nearer += std::max(a, b);
+      bends += bend;
+      ++n;
+    }
+    return n >= 2 && -farthest < S(0.5) * bends / S(n) ? nearer / S(n) : measured.value;
   }
 };
 

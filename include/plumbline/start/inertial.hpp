@@ -20,11 +20,11 @@ namespace plumbline {
 struct InertialStartOptions {
   double frame_interval_s = 0.1;       ///< between the poses that are aligned with the IMU
   double gyro_bias_sigma = 0.02;       ///< prior of the first frame [rad/s]
-  double accel_bias_sigma = 0.1;       ///< [m/s^2]
+  double accel_bias_sigma = 0.2;       ///< [m/s^2]
   double min_scale_sigma = 0.05;       ///< relative, of the length that the window holds; aligned poses share errors
   double max_rough_scale_sigma = 0.7;  ///< relative, of a pose that is published although its scale is uncertain
   double settling_s = 3;               ///< after the start of a camera without depth its scale is not certain
-  double max_accel_bias_sigmas = 10;   ///< of accel_bias_sigma, when images and readings are first solved together
+  double max_accel_bias_sigmas = 5;    ///< of accel_bias_sigma, when images and readings are first solved together
   double max_time_error_s = 2e-3;      ///< the camera's clock was wrong by more: poses so far are rough
   double max_readout_error_s = 4e-3;   ///< or the readout time of its shutter
   double max_time_sigma_s = 3e-3;      ///< of the camera's clock, when images and readings are first solved together
