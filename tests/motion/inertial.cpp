@@ -443,6 +443,24 @@ TEMPLATE_TEST_CASE("inertial: without images the covariance grows with what read
   }
 }
 
+TEMPLATE_TEST_CASE("inertial: an accelerometer that gravity drives to its rail tells nothing", "", float, double) {
+  using S = TestType;
+  InertialOptions options;
+  const auto links = std::make_unique<InertialLinks<S, 4>>(options);
+  Window<S> window;
+  Drive<S> drive;
+  drive.motion->become_metric();
+  const auto clip_at = [](double rail) {
+    return [rail, n = 0](ImuSample& sample) mutable {  // it comes and goes
+      sample.accel.z() = ++n % 2 == 0 ? rail - 0.01 * n : rail;
+    };
+  };
+  for (int k = 0; k < 8; ++k) drive.advance_with(clip_at(10.0));
+  drive.found();
+  drive.go_on(2);  // between two arrivals
+  CHECK(drive.motion->doubt(*links, window) == HealthReason::imu_saturated);
+}
+
 TEMPLATE_TEST_CASE("inertial: says what is wrong with its readings", "", float, double) {
   using S = TestType;
   InertialOptions options;

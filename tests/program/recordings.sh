@@ -38,7 +38,7 @@ within rgbd-imu/points+lines/window rendered_lowtex_rgbd groundtruth_body.csv po
 within mono-imu/points/window rendered_office_mono "$euroc_truth" posyaw 0.01 90
 within mono-imu/points/window euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
 within mono-imu/lines/window rendered_office_mono "$euroc_truth" posyaw 0.03 90
-within mono-imu/lines/window euroc_mh01_flight "$euroc_truth" posyaw 0.12 49
+within mono-imu/lines/window euroc_mh01_flight "$euroc_truth" posyaw 0.2 49
 within mono-imu/points+lines/window rendered_office_mono "$euroc_truth" posyaw 0.012 90
 within mono-imu/points+lines/window euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
 # camera_within CONFIG NAME BOUND MISSING: a camera alone, against the truth of the body that it is on.

@@ -24,6 +24,7 @@ struct InertialOptions : InertialLinkOptions {
   double max_innovation = 8;      ///< of a frame's pose by its images against the readings [sigma]
   double doubted_innovation = 4;  ///< the same once another bias was found, which is to explain what is seen
   double max_disagreement = 4;    ///< of readings and images, see InertialLinks; about 1 on a vibrating drone
+  double min_full_scale = 1.1;    ///< of an accelerometer that tells anything [gravity]
   double rest_motion_px = 0.5;    ///< landmarks that moved less since the last keyframe do not contradict a standstill
   double rest_check_s = 0.3;      ///< they are watched for so long
   double rest_hysteresis = 2;     ///< limits are this much wider for a body at rest
