@@ -230,9 +230,9 @@ class Inertial {
     const bool solved = is_metric_ && !at_rest_;  // at rest frames are not solved for
     links_disagree_ = solved && links.disagreement(window) > options_.max_disagreement;
     if (imu_.missing()) return HealthReason::no_imu_data;
-    // Whose rail gravity reaches, it is off by what looks like a bias, also where it is not at its rail.
-    const bool too_small = imu_.buffer().accel_full_scale() < options_.min_full_scale * options_.gravity;
-    if (imu_.coverage().saturated_s > 0 || too_small) return HealthReason::imu_saturated;
+    // What gravity alone drives to the rail and is cut off there looks like a bias to the readings beside it.
+    const bool rail_at_gravity = imu_.buffer().accel_full_scale() < options_.min_full_scale * options_.gravity;
+    if (imu_.coverage().saturated_s > 0 || rail_at_gravity) return HealthReason::imu_saturated;
     if (gyro_check_.in_doubt() || accel_check_.in_doubt()) return HealthReason::imu_disagrees;
     return links_disagree_ ? HealthReason::imu_disagrees : HealthReason::none;
   }
