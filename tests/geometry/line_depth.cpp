@@ -74,6 +74,38 @@ TEMPLATE_TEST_CASE("line_depth: the noise of the result is the predicted one", "
   REQUIRE(trace(60) == Approx(trace(30)).epsilon(0.15));
 }
 
+TEMPLATE_TEST_CASE("line_depth: a surface seen beside the segment is followed up to it", "", float, double) {
+  using S = TestType;
+  Noise noise{Random(4)};
+  const Vec<double, 3> normal = Vec<double, 3>(0.6, -0.1, -0.8), m_start(-0.2, -0.3, 1), m_end(-0.1, 0.4, 1);
+  const auto inverse_depth = [&](const Vec<double, 3>& m) { return normal.dot(m) / -1.6; };
+  const Vec<double, 2> truth(inverse_depth(m_start), inverse_depth(m_end));
+  LineDepthOptions options;
+  options.independent_samples = 1000;  // here they are
+  double mahalanobis = 0, beside = 0;
+  Vec<double, 2> mean = Vec<double, 2>::Zero();
+  constexpr int n = 500;
+  for (int i = 0; i < n; ++i) {
+    std::vector<LineDepthSample<S>> samples;
+    for (int k = 0; k < 60; ++k) {
+      const Vec<double, 3> m = m_start + (k + 0.5) / 60 * (m_end - m_start) + Vec<double, 3>(k % 2 ? 0.03 : 0.01, 0, 0);
+      const Vec<S, 3> ray = m.cast<S>(), from = m_start.cast<S>(), to = m_end.cast<S>();
+      const double l = inverse_depth(m);
+      beside += l / (60 * n);
+      samples.push_back({along_segment(ray, from, to), S(l + noise(3e-3)), S(3e-3), across_segment(ray, from, to)});
+    }
+    const LineDepth<S> found = fit(samples, options);
+    REQUIRE(found.valid);
+    const Vec<double, 2> d = found.inverse_depth.template cast<double>() - truth;
+    mean += d / n;
+    mahalanobis += d.dot(found.covariance.template cast<double>().inverse() * d) / n;
+  }
+  REQUIRE(beside - truth.mean() < -5e-3);  // what was measured is off by this
+  REQUIRE(std::abs(mean[0]) < 2e-4);
+  REQUIRE(std::abs(mean[1]) < 2e-4);
+  REQUIRE(mahalanobis == Approx(2).epsilon(0.2));
+}
+
 TEMPLATE_TEST_CASE("line_depth: the nearer side of an occluding edge, and outliers", "", float, double) {
   using S = TestType;
   Noise noise{Random(2)};
@@ -94,7 +126,7 @@ TEMPLATE_TEST_CASE("line_depth: the nearer side of an occluding edge, and outlie
     REQUIRE(edge.inverse_depth == one.inverse_depth);
     REQUIRE(edge.covariance == one.covariance);
     REQUIRE(fit(broken).inliers <= 17);
-    if (texture.inliers > one.inliers) {
+    if (texture.inliers > one.inliers + 10) {
       ++together;
       REQUIRE(texture.covariance(0, 0) == Approx(one.covariance(0, 0) / 2).epsilon(0.3));
     }
@@ -104,7 +136,7 @@ TEMPLATE_TEST_CASE("line_depth: the nearer side of an occluding edge, and outlie
     taken_for_one += ledge.inliers > 24;
     ledge_error += 3 - 2 / double(ledge.inverse_depth.sum());
   }
-  REQUIRE(together > 0.93 * 200);  // samples add up to eight only, so these are surer than they claim
+  REQUIRE(together > 0.7 * 200);  // samples add up to eight only, so these are surer than they claim: 1 - exp(-3/2)
   REQUIRE(taken_for_one < 0.1 * 200);
   REQUIRE(std::abs(ledge_error / 200) < 0.02);
   // what has one side only has that

@@ -76,3 +76,21 @@ TEST_CASE("line_depth_measurement: an occluding edge has the depth of the near s
   REQUIRE_FALSE(measure_line_depth(camera, sensor, view, Vec<float, 2>(400, 20), Vec<float, 2>(400, 200)).valid);
   REQUIRE_FALSE(measure_line_depth(camera, sensor, view, Vec<float, 2>(std::nanf(""), 20), end).valid);
 }
+
+TEST_CASE("line_depth_measurement: where two faces of a body meet, both recede and neither is at the edge's depth") {
+  const Pinhole<double> camera{268, 268, 159.5, 119.5, {}};
+  testing::Image<std::uint16_t> depth(320, 240);
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 320; ++x) {  // seen at 45 degrees, the edge at x = 159.5 and 2 m
+      const double across = (x - 159.5) / 268;
+      depth.view()(x, y) = static_cast<std::uint16_t>(std::lround(10000 / (0.5 - 0.5 * std::abs(across))));
+    }
+  }
+  DepthSensor<double> sensor;
+  sensor.units_per_metre = 10000;
+  const LineDepth<double> found = measure_line_depth(camera, sensor, ImageView<const std::uint16_t>(depth.view()),
+                                                     Vec<float, 2>(159.5f, 40), Vec<float, 2>(159.5f, 200));
+  REQUIRE(found.valid);
+  REQUIRE(found.inverse_depth[0] == Approx(0.5).margin(5e-4));  // 0.0056 less 3 px beside
+  REQUIRE(found.inverse_depth[1] == Approx(0.5).margin(5e-4));
+}

@@ -91,6 +91,20 @@ TEMPLATE_TEST_CASE("origin: what the calibration is wrong by grows with the way,
   CHECK(origin.at(SE3<S>()).norm() == 0);
 }
 
+TEMPLATE_TEST_CASE("origin: where gravity shows, the angle adds up about the vertical alone", "", float, double) {
+  using S = TestType;
+  Origin<S> origin(S(0.01), true);
+  origin.set(SE3<S>(), Mat<S, 6, 6>::Zero());
+  const SE3<S> T(SO3<S>::exp({S(0.3), S(-0.4), S(0)}), Vec<S, 3>::Zero());  // turns by 0.5, tilted
+  origin.travel_to(T);
+  Vec<S, 6> d = Vec<S, 6>::Zero();
+  d[1] = S(0.002);
+  origin.dispute(d);
+  const Mat<S, 3, 3> in_world = T.R() * block<3, 3>(origin.at(T), 0, 0) * T.R().transpose();
+  const Vec<S, 3> variances(S(0.002 * 0.002), S(0.002 * 0.002), S(0.007 * 0.007));
+  CHECK((in_world - Mat<S, 3, 3>(variances.asDiagonal())).norm() < S(1e-9));
+}
+
 TEMPLATE_TEST_CASE("origin: what is in dispute adds up in one direction, until all begins anew", "", float, double) {
   using S = TestType;
   Origin<S> origin;

@@ -45,7 +45,7 @@ class Odometry {
         front_ends(opts),
         motion(sensors, opts.motion),
         backend(opts.backend, opts.motion),
-        origin(S(opts.calibration_error)),
+        origin(S(opts.calibration_error), Sensors::has_imu),
         pose_(opts.pose),
         rule_(opts.keyframe) {}
 

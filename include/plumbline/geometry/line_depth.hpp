@@ -1,11 +1,13 @@
 #pragma once
 /// The depth of a segment from depths measured beside it.                                   docs/math/line.md
 ///
-///   1/z(s) = (1 - s) l_a + s l_b          s in [0, 1] along the segment on the plane z = 1: exactly affine    (26)
-///   Sigma  = (sum [1-s, s]^T [1-s, s] / sigma^2)^-1  max(1, samples / independent_samples)                    (27)
+///   1/z = (1 - s) l_a + s l_b + c g       s in [0, 1] along the segment, c across it, on the plane z = 1:     (26)
+///                                         exactly affine on a plane surface;  g ~ N(0, (slope (l_a + l_b)/2)^2)
+///   Sigma = (sum [1-s, s]^T [1-s, s] / sigma^2 - h h^T / H_g)^-1  max(1, samples / independent_samples)       (27)
 /// Inverse depth is what disparity sensors measure with constant noise; least squares of points in space would weigh
-/// the far end wrongly. An edge often is where a near surface ends: of the two sides the NEARER one owns it. They are
-/// told apart as lines: a single pair of samples does not show a step that all of them do.
+/// the far end wrongly. What is seen beside an edge is not at its depth: on the outward edges of a body both sides recede.
+/// An edge often is where a near surface ends: of the two sides the NEARER one owns it. They are told apart as lines: a
+/// single pair of samples does not show a step that all of them do.
 
 #include <algorithm>
 #include <cmath>
@@ -17,12 +19,13 @@
 
 namespace plumbline {
 
-/// An inverse depth measured at one place of a segment.
+/// An inverse depth measured at one place of a segment, or beside it.
 template <class S>
 struct LineDepthSample {
   S along;          ///< s of (26)
   S inverse_depth;  ///< 1/z [1/m]
   S sigma;          ///< [1/m]
+  S across = S(0);  ///< c of (26)
 };
 
 struct LineDepthOptions {
@@ -31,6 +34,7 @@ struct LineDepthOptions {
   double min_extent = 0.5;           ///< of the segment between the outermost inliers
   double independent_samples = 8;    ///< neighbouring pixels err together: more samples than these do not add up
   double max_relative_sigma = 0.05;  ///< of the inverse depth at both ends
+  double slope = 1.7;                ///< of a surface, of (26): seen at 60 degrees
 };
 
 template <class S>
@@ -48,6 +52,12 @@ S along_segment(const Vec<S, 3>& m, const Vec<S, 3>& m_start, const Vec<S, 3>& m
   return dot(m - m_start, extent) / squared_norm(extent);
 }
 
+/// |c| of (26) for the same ray.
+template <class S>
+S across_segment(const Vec<S, 3>& m, const Vec<S, 3>& m_start, const Vec<S, 3>& m_end) {
+  return norm(m - m_start - along_segment(m, m_start, m_end) * (m_end - m_start));
+}
+
 /// The line through both ends.
 template <class S>
 Line3<S> line_from_depth(const Vec<S, 3>& m_start, const Vec<S, 3>& m_end, const Vec<S, 2>& inverse_depth) {
@@ -63,22 +73,25 @@ Mat<S, 2, 2> inverse_of_symmetric(const Mat<S, 2, 2>& A) {
   return out;
 }
 
-/// The affine function that most samples agree on, then weighted least squares of those.
+/// The affine function of s that most samples agree on, then weighted least squares of those by (26). All samples are of
+/// one side.
 template <class S>
 LineDepth<S> fit_line_depth(std::span<const LineDepthSample<S>> samples, const LineDepthOptions& options = {}) {
   constexpr std::size_t max_voters = 12;  // at most 66 pairs
   LineDepth<S> out;
   const std::size_t n = samples.size(), voters = std::min(n, max_voters);
+  S slope = 0;  // g of (26)
   const auto agrees = [&](const LineDepthSample<S>& x, const Vec<S, 2>& l) {
-    return std::abs((1 - x.along) * l[0] + x.along * l[1] - x.inverse_depth) < S(options.inlier_sigmas) * x.sigma;
+    const S expected = (1 - x.along) * l[0] + x.along * l[1] + x.across * slope;
+    return std::abs(expected - x.inverse_depth) < S(options.inlier_sigmas) * x.sigma;
   };
   for (std::size_t i = 0; i < voters; ++i) {
     for (std::size_t j = i + 1; j < voters; ++j) {
       const LineDepthSample<S>&a = samples[i * n / voters], &b = samples[j * n / voters];
-      const S slope = (b.inverse_depth - a.inverse_depth) / (b.along - a.along);
+      const S change = (b.inverse_depth - a.inverse_depth) / (b.along - a.along);
       if (!(std::abs(b.along - a.along) > S(0.25))) continue;
-      const S l_a = a.inverse_depth - slope * a.along;
-      const Vec<S, 2> l(l_a, l_a + slope);
+      const S l_a = a.inverse_depth - change * a.along;
+      const Vec<S, 2> l(l_a, l_a + change);
       const int inliers =
           static_cast<int>(std::count_if(samples.begin(), samples.end(), [&](const auto& x) { return agrees(x, l); }));
       if (inliers <= out.inliers) continue;
@@ -90,7 +103,9 @@ LineDepth<S> fit_line_depth(std::span<const LineDepthSample<S>> samples, const L
   S first = 1, last = 0;
   for (int iteration = 0; iteration < 2; ++iteration) {
     Mat<S, 2, 2> H = zeros<S, 2, 2>();
-    Vec<S, 2> g = zeros<S, 2>();
+    Vec<S, 2> b = zeros<S, 2>(), h = zeros<S, 2>();
+    const S sigma_g = S(options.slope) * out.inverse_depth.sum() / 2;
+    S H_g = 1 / (sigma_g * sigma_g), b_g = 0;
     out.inliers = 0;
     first = 1, last = 0;
     for (const LineDepthSample<S>& x : samples) {
@@ -98,13 +113,17 @@ LineDepth<S> fit_line_depth(std::span<const LineDepthSample<S>> samples, const L
       const Vec<S, 2> row(1 - x.along, x.along);
       const S weight = 1 / (x.sigma * x.sigma);
       H += weight * row * row.transpose();
-      g += weight * row * x.inverse_depth;
+      b += weight * x.inverse_depth * row;
+      h += weight * x.across * row;
+      H_g += weight * x.across * x.across;
+      b_g += weight * x.across * x.inverse_depth;
       ++out.inliers;
       first = std::min(first, x.along);
       last = std::max(last, x.along);
     }
-    out.covariance = inverse_of_symmetric(H);
-    out.inverse_depth = out.covariance * g;
+    out.covariance = inverse_of_symmetric<S>(H - h * h.transpose() / H_g);
+    out.inverse_depth = out.covariance * (b - h * (b_g / H_g));
+    slope = (b_g - dot(h, out.inverse_depth)) / H_g;
   }
   out.covariance *= std::max(S(1), S(out.inliers) / S(options.independent_samples));  // (27)
   const Vec<S, 2> sigma = out.covariance.diagonal().cwiseSqrt();
@@ -116,9 +135,11 @@ LineDepth<S> fit_line_depth(std::span<const LineDepthSample<S>> samples, const L
 
 /// The line of both sides of an edge: of both together where they agree, else of the nearer one; and of one alone where
 /// the other is not valid.
-///   d = l_1 - l_2,   d^T (Sigma_1 + Sigma_2)^-1 d < max_chi2, of 95 %                                       (27a)
+///   d = l_1 - l_2,   d^T (Sigma_1 + Sigma_2)^-1 d < max_chi2                                                (27a)
+/// One surface taken for two costs a fraction of a sigma; two taken for one cost half of what lies between them, and
+/// always the same way.
 template <class S>
-LineDepth<S> nearer_side(const LineDepth<S>& one, const LineDepth<S>& other, S max_chi2 = S(6)) {
+LineDepth<S> nearer_side(const LineDepth<S>& one, const LineDepth<S>& other, S max_chi2 = S(1)) {
   if (!one.valid || !other.valid) return one.valid ? one : other;
   const Vec<S, 2> d = one.inverse_depth - other.inverse_depth;
   const Mat<S, 2, 2> W = inverse_of_symmetric<S>(one.covariance + other.covariance);

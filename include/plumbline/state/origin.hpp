@@ -4,7 +4,8 @@
 ///
 ///   P(T) = P_window + Ad P_origin Ad^T + diag((k a + a_d)^2 I, (k s + s_d)^2 I),   Ad = Ad(T^-1 T_origin)     (1)
 /// a, s: angle turned and distance travelled since the origin; a_d, s_d: those that are in dispute, because one sensor
-/// excludes what another one says: one of them is wrong by as much, and time after time in the same direction.
+/// excludes what another one says: one of them is wrong by as much, and time after time in the same direction. Where
+/// gravity shows, the angle that adds up is that about the vertical: the tilt has a_d alone.
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/se3.hpp"
@@ -42,7 +43,8 @@ class Origin {
   using Covariance = Mat<S, 6, 6>;
 
   /// `calibration_error`: k of (1).
-  explicit Origin(S calibration_error = S(0)) : calibration_error_(calibration_error) {}
+  explicit Origin(S calibration_error = S(0), bool gravity_shows = false)
+      : calibration_error_(calibration_error), gravity_shows_(gravity_shows) {}
 
   /// It is at T, of which that much is known.
   void set(const SE3<S>& T, const Covariance& P) {
@@ -74,17 +76,23 @@ class Origin {
   /// The part of a pose's covariance that is the origin's and the way's.
   Covariance at(const SE3<S>& T) const {
     Covariance P = carried(P_, T_, T);
-    const S turned = calibration_error_ * angle_ + disputed_angle_;
-    const S travelled = calibration_error_ * distance_ + disputed_distance_;
-    for (int k = 0; k < 3; ++k) {
-      P(k, k) += turned * turned;
-      P(3 + k, 3 + k) += travelled * travelled;
+    const S turned = squared(calibration_error_ * angle_ + disputed_angle_);
+    const S tilted = gravity_shows_ ? squared(disputed_angle_) : turned;
+    const S travelled = squared(calibration_error_ * distance_ + disputed_distance_);
+    const Vec<S, 3> up = T.rotation().inverse() * Vec<S, 3>(0, 0, 1);
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) P(i, k) += (turned - tilted) * up[i] * up[k];
+      P(i, i) += tilted;
+      P(3 + i, 3 + i) += travelled;
     }
     return P;
   }
 
  private:
+  static S squared(S x) { return x * x; }
+
   S calibration_error_;
+  bool gravity_shows_;
   SE3<S> T_, latest_;
   Covariance P_ = zeros<Covariance>();
   S angle_ = S(0), distance_ = S(0), disputed_angle_ = S(0), disputed_distance_ = S(0);
