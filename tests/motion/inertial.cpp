@@ -111,6 +111,15 @@ using Window = FrameWindow<S, InertialLayout, 4>;
 
 }  // namespace
 
+TEMPLATE_TEST_CASE("inertial: the rate of an image is that of its own time, however fast it changes", "", float,
+                   double) {
+  using S = TestType;
+  Drive<S> drive;
+  const TimeNs image = drive.now + frame;
+  drive.advance_with([&](ImuSample& sample) { sample.gyro.x() += 10 * seconds_between(image, sample.t_ns); });
+  CHECK(double((drive.motion->angular_rate() - Vec<S, 3>(0, 0, S(rate_z))).norm()) < 1e-4);  // a mean is 0.1 beside
+}
+
 TEMPLATE_TEST_CASE("inertial: a metric state is predicted by the readings, with their uncertainty", "", float, double) {
   using S = TestType;
   Drive<S> drive;

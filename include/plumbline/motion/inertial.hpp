@@ -252,10 +252,11 @@ class Inertial {
   static Vec<S, 3> velocity(const State& x) { return x.T_world_body.rotation().inverse() * x.v_world_body; }
 
  private:
-  /// How the body turns now, by the last readings, as a hand turns otherwise a frame ago [rad/s].
+  /// How the body turns now: where a line through the last readings ends, as a hand turns otherwise half of them ago
+  /// [rad/s].                                                              docs/math/rolling_shutter.md (1d)
   Vec<S, 3> latest_rate(const Vec<S, 3>& bias_gyro, S dt) const {
     if (imu_.since_frame().empty()) return imu_.since_frame().increment().delta.dR.log() / dt;
-    return imu_.latest_gyro(options_.rate_s) - bias_gyro;
+    return 2 * imu_.latest_gyro(options_.rate_s / 2) - imu_.latest_gyro(options_.rate_s) - bias_gyro;
   }
 
   /// How images and readings turn tells how camera and IMU stand to each other.

@@ -20,7 +20,7 @@ struct InertialOptions : InertialLinkOptions {
   double velocity_doubt = 3;      ///< the window's own is so much too small
   double rotation_sigma = 5e-3;   ///< of the rotation since the last frame, beside the gyroscope's noise [rad]
   double max_vote = 2;            ///< no pose farther from the prediction is taken where a nearer one has votes [sigma]
-  double rate_s = 0.02;           ///< the body turns at an image as in so long before it, rows of the image with it
+  double rate_s = 0.02;           ///< readings of so long before an image tell how the body turns, and its rows with it
   double max_innovation = 8;      ///< of a frame's pose by its images against the readings [sigma]
   double doubted_innovation = 4;  ///< the same once another bias was found, which is to explain what is seen
   double max_disagreement = 4;    ///< of readings and images, see InertialLinks; about 1 on a vibrating drone
