@@ -12,8 +12,8 @@ cat table.txt
 awk '/^(black|missing) / {++rows; if (!($6 < 1.5)) bad = 1} END {exit bad || rows != 2}' table.txt ||
   fail "a gap of half a second costs more than half of the accuracy"
 
-# With depth the images go on alone where the accelerometer does not tell of the motion. Where they see little just then, the
-# estimate leaves them; it says so.
+# With depth the images go on alone where the accelerometer does not tell of the motion. Where they show little just then
+# the estimate leaves them; it says so.
 "$plumbline" faults --config rgbd-imu/points+lines/window --dataset "$data/rendered_lowtex_rgbd" \
   --fault "accel y turned" --times 3 > turned.txt || fail "faults with depth ends with an error"
 cat turned.txt
@@ -21,8 +21,8 @@ cat turned.txt
 awk '/^accel y turned / {++rows; if (!($4 < 0.02 && $8 < 10)) bad = 1} END {exit bad || rows != 1}' turned.txt ||
   fail "an axis of the accelerometer that turns leads the estimate away"
 
-# What is followed out of the dark by mistake does not say where the body is. Some frames say `tracking` falsely without any
-# darkness.
+# What is followed out of the dark by mistake does not say where the body is. Some frames say `tracking` falsely without
+# any darkness.
 "$plumbline" faults --config rgbd-imu/points+lines/window --dataset "$data/rendered_lowtex_rgbd" --fault black --for 2 \
   --times 8 > dark.txt || fail "faults in the dark ends with an error"
 cat dark.txt
