@@ -58,12 +58,12 @@ class ConstantVelocity {
     if (goes_on) T = plus(T, Vec<S, 6>(velocity_ * blind_s));
     T = turned_as_seen(T, view, align_motion);
     expected_ = minus(T, latest.T_world_body) / blind_s;
-    angular_rate_ = segment<3>(expected_, 0);
-    if (moves_ && goes_on) angular_rate_ += (angular_rate_ - segment<3>(velocity_, 0)) / S(2);
+    const Vec<S, 3> w = segment<3>(expected_, 0), w_before = segment<3>(velocity_, 0);
+    if (moves_ && goes_on) set_segment(expected_, 0, Vec<S, 3>(w + (w - w_before) / S(2)));
     return {{T}, {}};
   }
   /// When the image is taken, by a line through two intervals.               docs/math/rolling_shutter.md (1e)
-  const Vec<S, 3>& angular_rate() const { return angular_rate_; }
+  Vec<S, 3> angular_rate() const { return segment<3>(expected_, 0); }
   Vec<S, 3> velocity(const State&) const { return segment<3>(expected_, 3); }
 
   /// In the frame before, that being at T now: between its neighbours, or to this one where it has no other.
@@ -103,9 +103,9 @@ class ConstantVelocity {
 
  private:
   Options options_;
-  Vec<S, 6> velocity_ = zeros<S, 6>(), expected_ = zeros<S, 6>();  ///< [rad/s, m/s], body
-  Vec<S, 3> angular_rate_ = zeros<S, 3>();                         ///< [rad/s]
-  bool moves_ = false;                                             ///< the velocity is known
+  Vec<S, 6> velocity_ = zeros<S, 6>();  ///< of the last two frames [rad/s, m/s], body
+  Vec<S, 6> expected_ = zeros<S, 6>();  ///< of this one [rad/s, m/s], body
+  bool moves_ = false;                  ///< the velocity is known
 };
 
 }  // namespace plumbline
