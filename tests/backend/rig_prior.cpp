@@ -11,6 +11,7 @@ using namespace plumbline;
 TEST_CASE("rig_prior: mount and clock are estimated, the clock unless it is known") {
   for (const bool known : {true, false}) {
     FrameWindow<double, InertialLayout, 3> window;
+    window.insert(0, {});
     RigPrior<InertialLayout> prior({}, {});
     CHECK(prior.cost(window) == 0);
     prior.begin(window, SE3<double>(), {0.02, 0, known});
@@ -41,6 +42,7 @@ struct Equations {
 
 TEST_CASE("rig_prior: while the clock is found out the mount stays where it is") {
   FrameWindow<double, InertialLayout, 12> window;
+  window.insert(9'900'000'000, {});
   RigPrior<InertialLayout> prior({}, {});
   prior.begin(window, SE3<double>(), {0.02, 0, false});
   // A frame later the clock is found to be `later_s` late beyond what it was thought to be.
@@ -63,8 +65,16 @@ TEST_CASE("rig_prior: while the clock is found out the mount stays where it is")
   CHECK(is_held(11.5, -0.010));
   // When all begins anew nothing is in doubt.
   window.clear();
+  window.insert(11'500'000'000, {});
   prior.begin(window, SE3<double>(), {0.02, 0, false});
   CHECK_FALSE(is_held(11.6, 0));
+  // But a clock that was in doubt is found out first.
+  window.clear();
+  window.insert(12'000'000'000, {});
+  prior.begin(window, SE3<double>(), {.offset_s = 0.02, .known = false, .in_doubt = true});
+  CHECK(is_held(12.1, 0));
+  CHECK(is_held(12.9, 0));
+  CHECK_FALSE(is_held(13.1, 0));
   // A clock that is known is no reason.
   window.clear();
   prior.begin(window, SE3<double>(), {0.02, 0, true});

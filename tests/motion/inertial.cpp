@@ -181,6 +181,33 @@ TEMPLATE_TEST_CASE("inertial: before it is metric the gyroscope turns, the image
   CHECK(minus(drive.view().T_body_cam, drive.T_body_cam).norm() == 0);
 }
 
+TEMPLATE_TEST_CASE("inertial: before it is metric rows move as three images do, whose errors may alternate", "", float,
+                   double) {
+  using S = TestType;
+  Drive<S> drive;
+  const Vec<S, 3> v(S(0.6), S(-0.2), 0), error(S(0.01), S(0.02), S(-0.03));
+  Vec<S, 6> at = zeros<S, 6>(), before = zeros<S, 6>();
+  Vec<S, 3> rate_before = zeros<S, 3>();
+  for (int k = 0; k < 4; ++k) {
+    rate_before = drive.motion->angular_rate();
+    drive.advance_with([&](ImuSample& sample) { sample.gyro.y() += 0.1 * k; });
+    const NavState<S> predicted = drive.predict().state;
+    SE3<S> T = drive.truth(drive.now).T_world_body;
+    T = SE3<S>(T.rotation(), T.p() + (k % 2 == 0 ? error : Vec<S, 3>(-error)));
+    at = drive.motion->motion_at(predicted, T, drive.view());
+    before = drive.motion->motion_before(predicted, T, drive.view());
+    const SO3<S> R_before = drive.latest.T_world_body.rotation();
+    if (k >= 2) {  // two intervals are known: without what alternates
+      CHECK(double((segment<3>(at, 3) - T.rotation().inverse() * v).norm()) < 10 * Drive<S>::tolerance);
+      CHECK(double((segment<3>(before, 3) - R_before.inverse() * v).norm()) < 10 * Drive<S>::tolerance);
+      CHECK((segment<3>(at, 0) - drive.motion->angular_rate()).norm() == 0);
+      CHECK((segment<3>(before, 0) - rate_before).norm() == 0);
+      CHECK(double((segment<3>(at, 0) - rate_before).norm()) > 0.05);
+    }
+    drive.latest = drive.motion->update(predicted, T, Drive<S>::sure(), drive.view());
+  }
+}
+
 TEMPLATE_TEST_CASE("inertial: where readings are missing images turn, and tell the velocity", "", float, double) {
   using S = TestType;
   Drive<S> drive;

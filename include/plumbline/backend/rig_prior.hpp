@@ -20,14 +20,15 @@ class RigPrior {
   RigPrior(const ExtrinsicsOptions& extrinsics, const TimeOffsetOptions& time_offset)
       : extrinsics_(ExtrinsicsPrior(extrinsics)), options_(time_offset) {}
 
-  /// From now on the window estimates where the camera sits, and how its clock goes unless it is known.
+  /// From now on the window estimates where the camera sits, and how its clock goes unless it is known. One in doubt is
+  /// as one that was just corrected.
   void begin(auto& window, const auto& T_body_cam, const ClockBelief& clock) {
     window.estimate_extrinsics(T_body_cam);
     const TimeOffsetOptions options = options_.get();
     if (clock.known || !(options.sigma_s > 0)) return;
     time_offset_.set(TimeOffsetPrior(options, clock.sigma_s));
     window.estimate_time_offset(clock.offset_s);
-    clock_.set({});
+    clock_.set({clock.in_doubt, window[window.newest()].t_ns, 0});
   }
 
   /// Before the frames are solved for. What a wrong clock makes of turns looks like a turned mount as long as the body

@@ -160,7 +160,8 @@ class Beginning {
       const State before = odometry.window().latest();
       odometry.landmarks.for_each([&](auto& store) { store.rescale(start_.scale()); });
       odometry.backend.restart([&](int slot) { return state_of(odometry.window().T_world_body(slot), T_body_cam); },
-                               start_.prior_on_biases(), T_body_cam, odometry.motion.clock());
+                               start_.prior_on_biases(), T_body_cam,
+                               odometry.motion.clock(start_.options().max_time_sigma_s));
       hold_scale(odometry);
       LevenbergMarquardtOptions solver = odometry.options.backend.solver;
       solver.max_iterations *= 2;

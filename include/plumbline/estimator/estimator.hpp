@@ -112,7 +112,7 @@ class Estimator {
   }
 
  private:
-  void go_on(const View<Sensors>& view, const Predicted& predicted, Stopwatch<TimeSource>& stage) {
+  void go_on(View<Sensors>& view, const Predicted& predicted, Stopwatch<TimeSource>& stage) {
     const bool knows_motion = core_.motion.carries_on() || !Core::Motion::is_chain;
     if (knows_motion && core_.images.repeats() && !core_.motion.may_rest(view.t_ns))
       return recovery_.recover(core_, beginning_, view, predicted.state, HealthReason::images_repeat);

@@ -106,20 +106,23 @@ class Odometry {
   }
 
   /// The pose alone, again without its outliers, then with every landmark looked for where it sees them; what it lacks.
-  HealthReason find_pose(const View<Sensors>& view, const Predicted& predicted, SE3<S>& T, Covariance& covariance) {
+  HealthReason find_pose(View<Sensors>& view, const Predicted& predicted, SE3<S>& T, Covariance& covariance) {
     const auto refine = [&] {
       return pose_.refine(rig, view.T_body_cam, landmarks, window(), predicted.state.T_world_body, predicted.prior, T,
                           covariance);
     };
     HealthReason lacks = refine();
-    if (lacks == HealthReason::none) lacks = refine();
+    if (lacks == HealthReason::none) {
+      know_motion(*this, view, predicted.state, T);
+      lacks = refine();
+    }
     if (lacks == HealthReason::none) {
       front_ends.refine(view, window(), landmarks, T);
       lacks = refine();
     }
     if (lacks != HealthReason::none) return lacks;
     if (motion.contradicts(predicted, T)) return HealthReason::imu_disagrees;
-    know_keyframe_motion(*this, view, T);
+    know_keyframe_motion(*this, view, predicted.state, T);
     set_ranges(landmarks, window(), view, T, readout_s(), /*all=*/false);
     return HealthReason::none;
   }

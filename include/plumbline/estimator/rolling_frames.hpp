@@ -28,14 +28,29 @@ void move_shutter(const Odometry& odometry, View<typename Odometry::Sensors>& vi
   }
 }
 
-/// Of a motion that nothing measures: when the frame before was a keyframe, it is known for good how the camera moved
-/// there now that the body is at T.
+/// Of a velocity that images alone tell: the frame's, expected at x, now that the body is at T.
+template <class Odometry, class S = typename Odometry::S>
+void know_motion(Odometry& odometry, View<typename Odometry::Sensors>& view, const typename Odometry::State& x,
+                 const SE3<typename Odometry::S>& T) {
+  if constexpr (Odometry::Sensors::rolls && requires { odometry.motion.motion_at(x, T, view); }) {
+    if (odometry.motion.ties_frames() || odometry.is_after_gap(view.t_ns)) return;
+    const Vec<S, 6> moved = odometry.motion.motion_at(x, T, view);
+    view.set_motion(segment<3>(moved, 0), segment<3>(moved, 3), odometry.mean_depth());
+    odometry.landmarks.for_each([&](auto& store) {
+      for (auto& landmark : store.landmarks()) {
+        if (landmark.current.valid) landmark.current.set_motion(view.shutter, odometry.readout_s());
+      }
+    });
+  }
+}
+
+/// And when the frame before was a keyframe, it is known for good how the camera moved there.
 template <class Odometry, class S = typename Odometry::S>
 void know_keyframe_motion(Odometry& odometry, const View<typename Odometry::Sensors>& view,
-                          const SE3<typename Odometry::S>& T) {
-  if constexpr (Odometry::Sensors::rolls && requires { odometry.motion.motion_before(T, view); }) {
-    if (!odometry.estimate.keyframe || odometry.is_after_gap(view.t_ns)) return;
-    const Vec<S, 6> moved = odometry.motion.motion_before(T, view);
+                          const typename Odometry::State& x, const SE3<typename Odometry::S>& T) {
+  if constexpr (Odometry::Sensors::rolls && requires { odometry.motion.motion_before(x, T, view); }) {
+    if (odometry.motion.ties_frames() || !odometry.estimate.keyframe || odometry.is_after_gap(view.t_ns)) return;
+    const Vec<S, 6> moved = odometry.motion.motion_before(x, T, view);
     auto then = view;
     then.set_motion(segment<3>(moved, 0), segment<3>(moved, 3), odometry.mean_depth());
     set_motion(odometry.landmarks, odometry.keyframe(), then, odometry.readout_s());

@@ -67,7 +67,7 @@ class ConstantVelocity {
   Vec<S, 3> velocity(const State&) const { return segment<3>(expected_, 3); }
 
   /// In the frame before, that being at T now: between its neighbours, or to this one where it has no other.
-  Vec<S, 6> motion_before(const SE3<S>& T, const View<Sensors>& view) const {
+  Vec<S, 6> motion_before(const State& /*predicted*/, const SE3<S>& T, const View<Sensors>& view) const {
     const Vec<S, 6> after = minus(T, view.T_world_previous) / view.dt;
     return moves_ ? Vec<S, 6>((velocity_ + after) / S(2)) : after;
   }

@@ -75,6 +75,7 @@ class Inertial {
       camera_imu_.propagate(imu_.since_frame().increment());
       since_keyframe_.append(imu_.since_frame());
       blind_since_keyframe_ = blind_since_keyframe_ || imu_.blind();
+      angular_rate_before_ = angular_rate_;
       angular_rate_ = latest_rate(latest->bias_gyro, dt);
       at_rest_ = at_rest_ && seems_at_rest(t_ns);
     }
@@ -186,10 +187,11 @@ class Inertial {
   }
 
   const CameraImuFilter& camera_imu() const { return camera_imu_; }
-  /// The camera's, as it is known before frames and readings are solved for together.
-  ClockBelief clock() const {
+  /// The camera's, as it is known before frames and readings are solved for together; `sure_s`: sigma of one that is in
+  /// no doubt whatever speaks against it.
+  ClockBelief clock(double sure_s) const {
     return {clock_.offset_s(), camera_imu_.clock_is_wrong() ? camera_imu_.time_offset_sigma() : 0,
-            !(options_.camera_imu.time_offset_sigma_s > 0)};
+            !(options_.camera_imu.time_offset_sigma_s > 0), !camera_imu_.believes_clock(sure_s)};
   }
 
   /// Whether scale, gravity, velocities and biases are known.
@@ -250,8 +252,25 @@ class Inertial {
 
   const Vec<S, 3>& angular_rate() const { return angular_rate_; }
   static Vec<S, 3> velocity(const State& x) { return x.T_world_body.rotation().inverse() * x.v_world_body; }
+  /// Before the start: in this frame and in the one before, the body being at T now; turned as readings say, moved as
+  /// the last three images do [rad/s, m/s].                                 docs/math/rolling_shutter.md (1f)
+  Vec<S, 6> motion_at(const State& predicted, const SE3<S>& T, const View<Sensors>& view) const {
+    return moved(predicted, T, view, T.rotation(), angular_rate_);
+  }
+  Vec<S, 6> motion_before(const State& predicted, const SE3<S>& T, const View<Sensors>& view) const {
+    return moved(predicted, T, view, view.T_world_previous.rotation(), angular_rate_before_);
+  }
 
  private:
+  Vec<S, 6> moved(const State& predicted, const SE3<S>& T, const View<Sensors>& view, const SO3<S>& R_world_body,
+                  const Vec<S, 3>& angular_rate) const {
+    const Vec<S, 3> v = (T.p() - view.T_world_previous.p()) / view.dt;
+    Vec<S, 6> out;
+    set_segment(out, 0, angular_rate);
+    set_segment(out, 3, Vec<S, 3>(R_world_body.inverse() * Vec<S, 3>((predicted.v_world_body + v) / S(2))));
+    return out;
+  }
+
   /// How the body turns now: where a line through the last readings ends, as a hand turns otherwise half of them ago
   /// [rad/s].                                                              docs/math/rolling_shutter.md (1d)
   Vec<S, 3> latest_rate(const Vec<S, 3>& bias_gyro, S dt) const {
@@ -309,8 +328,8 @@ class Inertial {
   Preintegration<S> since_keyframe_;
   CameraImuFilter camera_imu_;
   CameraClock<S> clock_;
-  Vec<S, 3> angular_rate_ = zeros<S, 3>();
-  double velocity_sigma_;                  ///< of the latest state [m/s]
+  Vec<S, 3> angular_rate_ = zeros<S, 3>(), angular_rate_before_ = zeros<S, 3>();  ///< in this frame and the last one
+  double velocity_sigma_;                                                         ///< of the latest state [m/s]
   Vec<S, 3> place_sigma_ = zeros<S, 3>();  ///< of the predicted frame, by that [m]
   GyroscopeCheck<S> gyro_check_;
   AccelerometerCheck<S> accel_check_;
