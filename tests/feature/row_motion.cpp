@@ -23,6 +23,16 @@ struct One {
   void for_each(auto&& visit) { visit(store); }
 };
 
+/// Seen at what was the middle of the frame, and brought there as the shutter says.
+template <class S>
+void bring_to_middle(auto& seen, const auto& shutter) {
+  seen.pixel = seen.uv;
+  const auto still = shutter.still(seen.pixel.template cast<S>(), S(1 / range));
+  seen.uv = still.uv.template cast<float>();
+  seen.slope.set({still.slope.by_turn.template cast<float>(), still.slope.by_shift.template cast<float>(),
+                  float(still.slope.inverse_range)});
+}
+
 template <class Scene, class S = typename Scene::Kind::Scalar>
 View<typename Scene::Sensors> moving(const Scene& scene, const RigPyramid<typename Scene::Sensors>& none,
                                      const Vec<double, 3>& rate, const Vec<double, 3>& velocity) {
@@ -56,14 +66,10 @@ TEMPLATE_TEST_CASE("row_motion: points are where the motion that is found brings
   for (const int slot : {0, 2}) {
     for (auto& landmark : landmarks.store.landmarks()) {
       auto& seen = landmark.observations[std::size_t(slot)];
-      seen.pixel = seen.uv;
-      const auto still = thought.shutter.still(seen.pixel.template cast<S>(), S(1 / range));
-      seen.uv = still.uv.template cast<float>();
-      seen.slope.set({still.slope.by_turn.template cast<float>(), still.slope.by_shift.template cast<float>(),
-                      float(still.slope.inverse_range)});
+      bring_to_middle<S>(seen, thought.shutter);
       if (landmark.anchor != slot) continue;
       auto& point = landmark.geometry;
-      point.bearing = scene.rig.vision.camera.unproject(still.uv).bearing;
+      point.bearing = scene.rig.vision.camera.unproject(seen.uv.template cast<S>()).bearing;
       point.slope.set(thought.shutter.bearing_slope(seen.pixel.template cast<S>(), point.bearing, S(1 / range)));
     }
     const auto before = landmarks.store.landmarks();
@@ -83,6 +89,37 @@ TEMPLATE_TEST_CASE("row_motion: points are where the motion that is found brings
         CHECK(landmark.geometry.bearing == was.geometry.bearing);
       }
     }
+  }
+}
+
+TEMPLATE_TEST_CASE("row_motion: the latest frame alone is moved before it is a keyframe", "", float, double) {
+  using S = TestType;
+  using Scene = test::SeenPoints<S>;
+  Scene scene(8, 0);
+  const auto none = std::make_unique<RigPyramid<typename Scene::Sensors>>();
+  const auto thought = moving(scene, *none, thought_rate, thought_velocity),
+             found = moving(scene, *none, rate, velocity);
+  One<typename Scene::Store> landmarks{*scene.store};
+  bool lost = true;  // the first one is not seen now
+  for (auto& landmark : landmarks.store.landmarks()) {
+    landmark.current = landmark.observations[0];
+    bring_to_middle<S>(landmark.current, thought.shutter);
+    landmark.current.valid = !lost;
+    lost = false;
+  }
+  const auto before = landmarks.store.landmarks();
+  set_motion(landmarks, found, S(readout));
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const auto &landmark = landmarks.store.landmarks()[i], &was = before[i];
+    const auto still = found.shutter.still(was.current.pixel.template cast<S>(), S(1 / range));
+    const double off = (was.current.uv.template cast<S>() - still.uv).norm();
+    if (i == 0) {
+      CHECK(landmark.current.uv == was.current.uv);
+    } else {
+      CHECK((landmark.current.uv.template cast<S>() - still.uv).norm() < 0.05 * off + 0.02);
+    }
+    CHECK(landmark.observations[0].uv == was.observations[0].uv);
+    CHECK(landmark.geometry.bearing == was.geometry.bearing);
   }
 }
 

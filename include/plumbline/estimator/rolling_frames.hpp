@@ -36,11 +36,7 @@ void know_motion(Odometry& odometry, View<typename Odometry::Sensors>& view, con
     if (odometry.motion.ties_frames() || odometry.is_after_gap(view.t_ns)) return;
     const Vec<S, 6> moved = odometry.motion.motion_at(x, T, view);
     view.set_motion(segment<3>(moved, 0), segment<3>(moved, 3), odometry.mean_depth());
-    odometry.landmarks.for_each([&](auto& store) {
-      for (auto& landmark : store.landmarks()) {
-        if (landmark.current.valid) landmark.current.set_motion(view.shutter, odometry.readout_s());
-      }
-    });
+    set_motion(odometry.landmarks, view, odometry.readout_s());
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
-/// How a camera with a rolling shutter moved while one frame was read. Without an IMU that is known for good when the
-/// frame after it is: its rows are then brought to the middle of the frame anew.   docs/math/rolling_shutter.md (1c)
+/// How a camera with a rolling shutter moved while one frame was read. Where images alone tell, that is known when the
+/// frame has a pose, and for good when the next one has: its rows are then brought to the middle of the frame anew.
+///                                                                        docs/math/rolling_shutter.md (1c), (1f)
 
 #include <cstddef>
 #include <type_traits>
@@ -9,6 +10,18 @@
 #include "plumbline/sensor/rig.hpp"
 
 namespace plumbline {
+
+/// In the latest frame, that of `view`.
+template <SensorRig Sensors>
+void set_motion(auto& landmarks, const View<Sensors>& view, typename Sensors::Scalar readout_s) {
+  if constexpr (Sensors::rolls) {
+    landmarks.for_each([&](auto& store) {
+      for (auto& landmark : store.landmarks()) {
+        if (landmark.current.valid) landmark.current.set_motion(view.shutter, readout_s);
+      }
+    });
+  }
+}
 
 /// In the frame of `slot`, whose shutter is that of `then`.
 template <SensorRig Sensors>

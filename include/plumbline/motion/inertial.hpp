@@ -328,9 +328,10 @@ class Inertial {
   Preintegration<S> since_keyframe_;
   CameraImuFilter camera_imu_;
   CameraClock<S> clock_;
-  Vec<S, 3> angular_rate_ = zeros<S, 3>(), angular_rate_before_ = zeros<S, 3>();  ///< in this frame and the last one
-  double velocity_sigma_;                                                         ///< of the latest state [m/s]
-  Vec<S, 3> place_sigma_ = zeros<S, 3>();  ///< of the predicted frame, by that [m]
+  Vec<S, 3> angular_rate_ = zeros<S, 3>();         ///< in this frame [rad/s]
+  Vec<S, 3> angular_rate_before_ = zeros<S, 3>();  ///< in the one before
+  double velocity_sigma_;                          ///< of the latest state [m/s]
+  Vec<S, 3> place_sigma_ = zeros<S, 3>();          ///< of the predicted frame, by that [m]
   GyroscopeCheck<S> gyro_check_;
   AccelerometerCheck<S> accel_check_;
   State before_, foretold_;  ///< of the predicted frame: the state before, and what the readings make of it
