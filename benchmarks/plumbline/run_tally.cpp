@@ -49,11 +49,16 @@ std::string figures_of(const pl::InitReport& start) {
   }
 }
 
+/// Begins, or begins anew.
+bool is_beginning(const FrameOutput& output) {
+  return output.health() == pl::HealthState::initializing ||
+         (output.health() == pl::HealthState::lost && output.start.stage != pl::InitStage::done);
+}
+
 std::string explanation_of(const FrameOutput& output) {
   if (output.refused) return std::string("refused, ") + name_of(*output.refused);
   const pl::Health& health = output.estimate.health;
-  if (health.state != pl::HealthState::initializing)
-    return std::string(name_of(health.state)) + ", " + name_of(health.reason);
+  if (!is_beginning(output)) return std::string(name_of(health.state)) + ", " + name_of(health.reason);
   if (health.reason != pl::HealthReason::aligning && health.reason != pl::HealthReason::none)
     return name_of(health.reason);
   return output.start.stage == pl::InitStage::aligning ? name_of(output.start.alignment) : name_of(output.start.stage);
@@ -74,7 +79,7 @@ void RunTally::add(const FrameOutput& output, bool is_in_trajectory) {
   ++without_;
   Reason& reason = reasons_[explanation_of(output)];
   ++reason.frames;
-  if (!output.refused && output.health() == pl::HealthState::initializing) reason.figures = figures_of(output.start);
+  if (!output.refused && is_beginning(output)) reason.figures = figures_of(output.start);
 }
 
 std::string RunTally::summary() const {

@@ -38,42 +38,55 @@ static_assert(!Sensors::has_depth && Sensors::has_imu && Simulated::Backend::Lay
 constexpr int frame_count = 280;
 /// The first seconds are not sure of their scale: 0.03 to 0.3 m by the moment in which they begin.
 constexpr double rough_m = 0.25;
-constexpr double first_s = 2, rate_hz = 20;
+constexpr double rate_hz = 20;
 
-const test::SimulatedRgbd& world() {
-  static const test::SimulatedRgbd rendered(frame_count, first_s, rate_hz);
-  return rendered;
+/// What the camera sees, from a time of its way on [s].
+struct World {
+  double first_s;
+  test::SimulatedRgbd seen;
+};
+const World& in_motion() {
+  static const World world{2, test::SimulatedRgbd(frame_count, 2, rate_hz)};
+  return world;
+}
+/// The body stands for a second, then gains speed.
+const World& at_rest_first() {
+  static const World world{0, test::SimulatedRgbd(160, 0, rate_hz)};
+  return world;
 }
 SE3<double> T_body_cam() { return testing::simulated_T_body_camera(); }
 
-/// Fourteen seconds in a room, begun in motion.
+/// Fourteen seconds in a room, begun in motion; or eight, begun at rest.
 struct RoomFlight {
   using Change = std::function<bool(double t, cv::Mat& image, bool follows_keyframe)>;
 
+  const World& world;
   InitReport init;
   std::vector<Estimate<double>> estimates;
 
   /// `change` sees every image at its time since the first one [s]; false takes it away.
-  explicit RoomFlight(const Change& change = [](double, cv::Mat&, bool) { return true; }) {
+  explicit RoomFlight(
+      const Change& change = [](double, cv::Mat&, bool) { return true; }, const World& flown = in_motion())
+      : world(flown) {
     const auto trajectory = *testing::Trajectory::for_scene("room");
     const testing::ImuQuality quality;
     testing::SimulatedImu simulated_imu(quality, 1);
     Sensors sensors{};
-    sensors.vision.camera = world().camera;
-    sensors.vision.width = world().width;
-    sensors.vision.height = world().height;
+    sensors.vision.camera = world.seen.camera;
+    sensors.vision.width = test::SimulatedRgbd::width;
+    sensors.vision.height = test::SimulatedRgbd::height;
     sensors.imu.T_body_cam = T_body_cam();
     sensors.imu.noise = quality.noise;
     const auto vio = std::make_unique<Simulated>(sensors);
     testing::SimulatedImu::Reading reading = simulated_imu.next(trajectory);
-    for (std::size_t i = 0; i < frame_count; ++i) {
-      for (; reading.sample(0).t_ns <= world().t_ns[i]; reading = simulated_imu.next(trajectory)) {
-        if (reading.t >= first_s - 0.1) REQUIRE(vio->add_imu(reading.sample(0)));
+    for (std::size_t i = 0; i < world.seen.frames.size(); ++i) {
+      for (; reading.sample(0).t_ns <= world.seen.t_ns[i]; reading = simulated_imu.next(trajectory)) {
+        if (reading.t >= world.first_s - 0.1) REQUIRE(vio->add_imu(reading.sample(0)));
       }
-      cv::Mat image = opencv::mat(world().frames[i].gray.view()).clone();
-      const bool follows_keyframe = i > 0 && vio->latest().keyframe && vio->latest().t_ns == world().t_ns[i - 1];
+      cv::Mat image = opencv::mat(world.seen.frames[i].gray.view()).clone();
+      const bool follows_keyframe = i > 0 && vio->latest().keyframe && vio->latest().t_ns == world.seen.t_ns[i - 1];
       if (!change(double(i) / rate_hz, image, follows_keyframe)) continue;
-      const auto estimate = vio->add_frame({world().t_ns[i], opencv::view<std::uint8_t>(image)});
+      const auto estimate = vio->add_frame({world.seen.t_ns[i], opencv::view<std::uint8_t>(image)});
       REQUIRE(estimate);
       REQUIRE((estimate->T_world_body.is_finite() && estimate->covariance.allFinite()));
       estimates.push_back(*estimate);
@@ -87,12 +100,15 @@ struct RoomFlight {
     for (const Estimate<double>& estimate : estimates) {
       const double t = time_of(estimate);
       if (t < from || t > to || estimate.health.state == HealthState::initializing) continue;
-      truth.push_back(
-          {estimate.t_ns, world().T_world_cam[std::size_t(std::lround(t * rate_hz))] * T_body_cam().inverse()});
+      truth.push_back({estimate.t_ns, T_world_body(t)});
       estimated.push_back({estimate.t_ns, estimate.T_world_body});
     }
     return io::evaluate_trajectory(truth, estimated, {.alignment = io::Alignment::posyaw}).ape.translation.rmse;
   }
+  SE3<double> T_world_body(double t) const {
+    return world.seen.T_world_cam[std::size_t(std::lround(t * rate_hz))] * T_body_cam().inverse();
+  }
+  double time_of(const Estimate<double>& estimate) const { return 1e-9 * double(estimate.t_ns) - world.first_s; }
   /// Share of the frames from `from` to `to` [s].
   double part(HealthState state, double from, double to) const {
     int n = 0, all = 0;
@@ -104,9 +120,6 @@ struct RoomFlight {
     }
     return double(n) / all;
   }
-
- private:
-  static double time_of(const Estimate<double>& estimate) { return 1e-9 * double(estimate.t_ns) - first_s; }
 };
 
 bool during(double t, double from, double to) { return t >= from && t < to; }
@@ -185,6 +198,38 @@ TEST_CASE("semi_direct_vio: images that are of little use for a while") {
   CHECK(run.ate(8, 14) < 0.03);
   CHECK(run.part(HealthState::lost, 0, 14) == 0);
   CHECK(run.part(HealthState::tracking, 12, 14) == 1);
+}
+
+// It stood, its poses were published, and it left in the dark before its start was complete.
+TEST_CASE("semi_direct_vio: where a body begins anew is known as far as its readings tell") {
+  const double dark_s = GENERATE(1.5, 5.0);
+  const RoomFlight run(
+      [&](double t, cv::Mat& image, bool) {
+        if (during(t, 1.5, 1.5 + dark_s)) image.setTo(0);
+        return true;
+      },
+      at_rest_first());
+  CAPTURE(dark_s);
+  SE3<double> T_published_true;  // the first pose that is published; the vertical is known
+  bool has_pose = false;
+  int poses_after = 0;
+  for (const Estimate<double>& estimate : run.estimates) {
+    const double t = run.time_of(estimate);
+    const SE3<double> truth = run.T_world_body(t);
+    has_pose = has_pose || estimate.health.state == HealthState::degraded;
+    if (!has_pose) continue;
+    if (T_published_true.p().isZero()) {
+      const Mat<double, 3, 3> R = (estimate.T_world_body.rotation() * truth.rotation().inverse()).matrix();
+      const SO3<double> yaw = SO3<double>::exp({0, 0, std::atan2(R(1, 0), R(0, 0))});
+      T_published_true = SE3<double>(yaw, estimate.T_world_body.p() - yaw * truth.p());
+    }
+    const Vec<double, 6> error = minus(estimate.T_world_body, T_published_true * truth);
+    CAPTURE(t, name_of(estimate.health.state), error.transpose(), estimate.covariance.diagonal().transpose());
+    for (int k = 0; k < 6; ++k) CHECK(std::abs(error[k]) < 3 * std::sqrt(estimate.covariance(k, k)) + 2e-3);
+    poses_after += t > 1.5 + dark_s && estimate.health.state != HealthState::initializing;
+  }
+  CHECK(poses_after > 10);
+  CHECK(run.estimates.back().resets == (dark_s > 3));
 }
 
 TEST_CASE("semi_direct_vio: fifteen seconds of a real flight") {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
@@ -11,6 +12,7 @@
 #include "plumbline/feature/view.hpp"
 #include "plumbline/imu/gravity.hpp"
 #include "plumbline/lie/se3.hpp"
+#include "plumbline/motion/dead_reckoning.hpp"
 #include "plumbline/solver/levenberg_marquardt.hpp"
 #include "plumbline/start/start_report.hpp"
 #include "plumbline/state/health.hpp"
@@ -25,10 +27,19 @@ class Beginning {
   using S = typename Odometry::S;
   using State = typename Odometry::State;
 
-  explicit Beginning(const typename Start::Options& options) : start_(options) {}
+  explicit Beginning(const typename Odometry::Options& options) : start_(options.start) {
+    if constexpr (!is_complete) {
+      const auto& lost = options.recovery;
+      reckoning_ = Reckoning({.max_s = lost.max_coasting_s,
+                              .velocity_walk = options.motion.velocity_sigma,
+                              .lost_speed = lost.lost_speed,
+                              .lost_rate = lost.lost_rate});
+    }
+  }
 
   const InitReport& report() const { return report_; }
-  bool has_first_view() const { return stage_ != Stage::nothing; }
+  bool has_seen_a_frame() const { return stage_ != Stage::nothing; }
+  bool has_first_view() const { return stage_ == Stage::one_view || has_map(); }
   bool has_map() const { return stage_ == Stage::map; }
 
   /// Whether images and readings have told the scale for so short a time that it may still be wrong.
@@ -42,23 +53,32 @@ class Beginning {
   /// Frames without a pose, after which all begins anew. Poses are aligned with readings in an unbroken series.
   int patience(int max_lost_frames) const { return is_complete ? max_lost_frames : 0; }
 
-  /// All begins anew at the pose that is published: what comes continues its place and heading, and knows no more of
-  /// them.
-  void continue_from(Odometry& odometry) {
-    const Estimate<S>& estimate = odometry.estimate;
-    const SO3<S>& R = estimate.T_world_body.rotation();
-    auto P = estimate.covariance;
+  /// Until there are poses that are tied together the readings alone lead on from the last one that was published.
+  void reckon(Odometry& odometry, const View<Sensors>& view) {
     if constexpr (!is_complete) {
-      P = place_and_heading(P, R);
-      const Vec<S, 3> g = R.inverse() * gravity_in_world<S>(S(odometry.options.motion.gravity));
-      T_world_start_ = SE3<S>(R * upright<S>(g).inverse(), estimate.T_world_body.p());
+      if (odometry.motion.is_metric()) return;
+      const auto& imu = odometry.motion.imu();
+      const Vec<S, 3> g = gravity_in_world<S>(S(odometry.options.motion.gravity));
+      reckoning_.advance(imu.since_frame().increment(), g, view.dt, imu.blind(), imu.missing());
     }
-    odometry.origin.set(estimate.T_world_body, P);
+  }
+  /// All begins anew: of the body no more is known than what is published, and not how fast it moves.
+  void lose_place(Odometry& odometry) {
+    const Estimate<S>& estimate = odometry.estimate;
+    if constexpr (is_complete) {
+      odometry.origin.set(estimate.T_world_body, estimate.covariance);
+    } else {
+      reckoning_.begin(odometry.window().latest(), estimate.covariance, S(0));
+      reckoning_.lose();
+    }
   }
 
-  /// The first keyframe of all.
+  /// The first keyframe of all, or of what begins anew where the body is thought to be.
   void take_first_view(Odometry& odometry, const View<Sensors>& view) {
-    stage_ = Stage::nothing;
+    if constexpr (!is_complete) {
+      if (reckoning_.is_lost() || !odometry.motion.at_rest()) begin_where_it_is(odometry);
+    }
+    stage_ = Stage::blind;
     report_ = {.rejected = report_.rejected};
     const int slot = odometry.begin_anew(view, odometry.motion.restart(odometry.window().latest()));
     Estimate<S>& estimate = odometry.estimate;
@@ -78,11 +98,11 @@ class Beginning {
     if constexpr (is_complete && !Start::needs_second_view) {
       finish(view);
       odometry.publish(view.t_ns);
-    } else {
-      wait(odometry, HealthReason::aligning,
-           Start::needs_second_view ? InitStage::little_parallax : InitStage::aligning);
     }
     odometry.adopt_keyframe(view, slot);
+    if constexpr (!is_complete || Start::needs_second_view)
+      wait(odometry, HealthReason::aligning,
+           Start::needs_second_view ? InitStage::little_parallax : InitStage::aligning);
     begin_series(odometry, view);
   }
 
@@ -184,13 +204,18 @@ class Beginning {
   }
 
  private:
-  enum class Stage : std::uint8_t { nothing, one_view, map };
+  enum class Stage : std::uint8_t { nothing, blind, one_view, map };
   /// Whether a map is all that is needed.
   static constexpr bool is_complete = !Odometry::Motion::is_chain;
 
   void wait(Odometry& odometry, HealthReason reason, InitStage stage) {
-    odometry.estimate.health = {odometry.estimate.resets > 0 ? HealthState::lost : HealthState::initializing, reason};
     report_.stage = stage;
+    odometry.set_health(odometry.estimate.resets > 0 ? HealthState::lost : HealthState::initializing, reason);
+    if constexpr (!is_complete) {
+      if (!reckoning_.has_begun()) return;
+      show(odometry, reckoning_.state());
+      odometry.estimate.covariance = reckoning_.covariance();
+    }
   }
   /// What was gathered does not fit together.
   void give_up(Odometry& odometry, const View<Sensors>& view) {
@@ -210,6 +235,16 @@ class Beginning {
     return x;
   }
 
+  /// What is seen from now on is at the place and heading to which the readings have led, and knows no more of them.
+  void begin_where_it_is(Odometry& odometry) {
+    if (!reckoning_.has_begun()) return;
+    const SE3<S>& T = reckoning_.state().T_world_body;
+    const Vec<S, 3> g = T.rotation().inverse() * gravity_in_world<S>(S(odometry.options.motion.gravity));
+    T_world_start_ = SE3<S>(T.rotation() * upright<S>(g).inverse(), T.p());
+    odometry.origin.set(T, place_and_heading(reckoning_.covariance(), T.rotation()));
+    odometry.estimate.resets += reckoning_.count_loss();
+  }
+
   void begin_series(Odometry& odometry, const View<Sensors>& view) {
     odometry.good_ns = view.t_ns;
     if constexpr (!is_complete) {
@@ -225,24 +260,31 @@ class Beginning {
     if (!start_.has_estimate()) return;
     State x = state_of(odometry.window().latest().T_world_body, odometry.rig_state.T_body_cam());
     x.v_world_body = T_world_start_.rotation() * start_.latest_velocity();
-    const double travelled = double(norm(x.T_world_body.p() - T_world_start_.p()));
-    publish(odometry, x, start_.gravity_sigma(),
-            start_.scale_sigma() * travelled + odometry.options.motion.rest_position_sigma);
+    const auto& motion = odometry.options.motion;
+    const double scale_sigma = start_.scale_sigma(), travelled = double(norm(x.T_world_body.p() - T_world_start_.p()));
+    const double place_sigma = scale_sigma * travelled + motion.rest_position_sigma;
+    if (reckoning_.excludes(x.T_world_body.p(), S(place_sigma))) return;
+    publish(odometry, x, start_.gravity_sigma(), place_sigma,
+            scale_sigma * double(norm(x.v_world_body)) + motion.velocity_sigma);
     odometry.set_health(HealthState::degraded, HealthReason::scale_uncertain);
   }
-  /// A state whose vertical [rad] and place [m] are known that well.
-  static void publish(Odometry& odometry, const State& x, double tilt_sigma, double place_sigma) {
-    Estimate<S>& estimate = odometry.estimate;
-    estimate.T_world_body = x.T_world_body;
-    estimate.v_world_body = x.v_world_body;
-    estimate.bias_gyro = x.bias_gyro;
-    estimate.bias_accel = x.bias_accel;
+  /// A state whose vertical [rad], place [m] and velocity [m/s] are known that well.
+  void publish(Odometry& odometry, const State& x, double tilt_sigma, double place_sigma, double velocity_sigma) {
+    show(odometry, x);
     typename Odometry::Covariance P = zeros<typename Odometry::Covariance>();
     for (int k = 0; k < 3; ++k) {
       P(k, k) = S(tilt_sigma * tilt_sigma);
       P(3 + k, 3 + k) = S(place_sigma * place_sigma);
     }
     odometry.publish(P);
+    reckoning_.begin(x, odometry.estimate.covariance, S(velocity_sigma));
+  }
+  static void show(Odometry& odometry, const State& x) {
+    Estimate<S>& estimate = odometry.estimate;
+    estimate.T_world_body = x.T_world_body;
+    estimate.v_world_body = x.v_world_body;
+    estimate.bias_gyro = x.bias_gyro;
+    estimate.bias_accel = x.bias_accel;
   }
   /// What the alignment knows of the scale, the window alone might not; its poses have errors in common, so not too
   /// tight.
@@ -282,13 +324,19 @@ class Beginning {
       odometry.window().set_latest(x);
       known.T_world_body = T_world_start_ * known.T_world_body;
       const auto& motion = odometry.options.motion;
-      publish(odometry, known, start_.options().accel_bias_sigma / motion.gravity, motion.rest_position_sigma);
+      // That it leaves is seen when it has some speed already.
+      publish(odometry, known, start_.options().accel_bias_sigma / motion.gravity, motion.rest_position_sigma,
+              motion.velocity_sigma);
       odometry.set_health(HealthState::degraded, HealthReason::aligning);
     }
   }
 
+  struct Nothing {};
+  using Reckoning = std::conditional_t<is_complete, Nothing, DeadReckoning<S>>;
+
   Start start_;
   SE3<S> T_world_start_;  ///< with an IMU: where all began anew, upright
+  [[no_unique_address]] Reckoning reckoning_;
   Stage stage_ = Stage::nothing;
   TimeNs first_view_ns_ = 0;
   InitReport report_;

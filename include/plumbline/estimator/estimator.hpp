@@ -43,8 +43,7 @@ class Estimator {
   using Backend = typename Core::Backend;
   using Options = typename Core::Options;
 
-  explicit Estimator(const Sensors& rig, const Options& options = {})
-      : core_(rig, options), beginning_(options.start) {}
+  explicit Estimator(const Sensors& rig, const Options& options = {}) : core_(rig, options), beginning_(options) {}
 
   /// One reading, before the frame that comes after it: readings up to the frame's time plus the time offset, as far as
   /// it is known (`latest().time_offset_s`). Between two frames the order does not matter. Errors as in ImuBuffer.
@@ -52,18 +51,19 @@ class Estimator {
   template <InertialRig R = Sensors>
   Result<typename ImuBuffer<>::Accepted> add_imu(const ImuSample& sample) {
     const State latest = work_.latest_state(core_);
-    return core_.motion.imu().add(sample, beginning_.has_first_view() ? &latest : nullptr);
+    return core_.motion.imu().add(sample, beginning_.has_seen_a_frame() ? &latest : nullptr);
   }
 
   /// Uses one frame; its pixels are not needed after the call. An error leaves the estimator as it was.
   Result<Estimate<S>> add_frame(const Frame& frame) {
     if (!ImagePair<Sensors>::has_right_size(core_.rig, frame)) return Error::wrong_image_size;
-    if (beginning_.has_first_view() && frame.t_ns <= latest().t_ns) return Error::late_sample;
+    if (beginning_.has_seen_a_frame() && frame.t_ns <= latest().t_ns) return Error::late_sample;
     Stopwatch<TimeSource> whole, stage;
     work_.wait();
     if (!core_.images.see(frame)) return Error::wrong_image_size;
     timing_ = {.pyramid = stage.lap()};
-    View<Sensors> view = core_.view_of(frame, !beginning_.has_first_view());
+    View<Sensors> view = core_.view_of(frame, !beginning_.has_seen_a_frame());
+    beginning_.reckon(core_, view);
     if (!beginning_.has_first_view()) {
       recovery_.begin(core_, beginning_, view);
     } else {

@@ -204,9 +204,11 @@ class Odometry {
     keyframe_ = slot;
     tracked_at_keyframe_ = landmarks.tracked_count();
     motion.begin_link(x);
-    estimate.T_world_body = x.T_world_body;
     estimate.keyframe = true;
-    if (backend.covariance_of_newest(keyframe_covariance_)) publish(keyframe_covariance_);
+    const bool knows_covariance = backend.covariance_of_newest(keyframe_covariance_);
+    if (Motion::is_chain && !motion.ties_frames()) return;  // its world is not the one that is published
+    estimate.T_world_body = x.T_world_body;
+    if (knows_covariance) publish(keyframe_covariance_);
   }
   /// For the next frame: a keyframe goes to the map when the window is full.
   void make_room(const View<Sensors>& view) {

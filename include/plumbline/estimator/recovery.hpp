@@ -39,9 +39,9 @@ class Recovery {
 
   /// The first view of all; again: at the pose that is published.
   static void begin(Odometry& odometry, Beginning& beginning, const View<Sensors>& view) {
-    if (odometry.estimate.resets > 0) {
+    if (!Motion::is_chain && odometry.estimate.resets > 0) {
       lose_place(odometry, view);
-      beginning.continue_from(odometry);
+      beginning.lose_place(odometry);
     }
     beginning.take_first_view(odometry, view);
   }
@@ -53,7 +53,10 @@ class Recovery {
     const bool goes_on =
         odometry.motion.carries_on() ? coast(odometry, view, predicted, lacks) : wait(odometry, view, tries, lacks);
     if (goes_on) return;
-    odometry.estimate.resets += odometry.estimate.health.state != HealthState::initializing;
+    if (!Motion::is_chain || odometry.motion.carries_on()) {
+      ++odometry.estimate.resets;
+      beginning.lose_place(odometry);
+    }
     lost_frames_ = 0;
     coasted_s_ = 0;
     begin(odometry, beginning, view);
