@@ -280,7 +280,7 @@ TEST_CASE("inertial_estimator: readings that are missing, repeated, late, NaN or
 TEST_CASE("inertial_estimator: readings of another body end in a new beginning") {
   if (no_data()) return;
   Trouble trouble;
-  trouble.duration_s = 21;
+  trouble.duration_s = 26;
   trouble.imu = [](double t, ImuSample& reading) {
     if (during(t, 5, 9)) {
       reading.gyro = -2 * reading.gyro;
@@ -293,8 +293,8 @@ TEST_CASE("inertial_estimator: readings of another body end in a new beginning")
   REQUIRE(run.part(HealthState::tracking, 5.5, 9) == 0);
   REQUIRE(run.part(HealthState::lost, 7, 9) > 0);
   REQUIRE(run.estimates.back().resets == 1);
-  REQUIRE(run.part(HealthState::lost, 15.5, 21) == 0);
-  REQUIRE(run.part(HealthState::tracking, 20, 21) == 1);
+  REQUIRE(run.part(HealthState::lost, 15.5, 26) == 0);
+  REQUIRE(run.part(HealthState::tracking, 25, 26) == 1);
 }
 
 TEST_CASE("inertial_estimator: a camera mounted otherwise than said is not believed") {

@@ -95,6 +95,41 @@ TEST_CASE("alignment: sigmas are those of simulated noise") {
   REQUIRE((chi2 > 0.5 && chi2 < 1.5));
 }
 
+// As among white walls, where few corners are in sight: along its axis a camera is known worse, now and then by far.
+TEST_CASE("alignment: poses count by what is known of them") {
+  testing::Gaussian normal(8);
+  InertialAlignmentOptions options;
+  options.max_scale_sigma = 1;
+  double known = 0, unknown = 0, chi2 = 0;
+  int contradicted = 0;
+  constexpr int runs = 200;
+  for (int run = 0; run < runs; ++run) {
+    test::SimulatedAlignment<double> s(std::uint64_t(run + 1), 2, {0.02, -0.01, 0.05}, {0.1, 0.2, -0.15});
+    const SO3<double>& R_body_cam = s.T_body_cam.rotation();
+    for (std::size_t k = 0; k < s.frames.size(); ++k) {
+      const double away = (k % 3 == 1 ? 20 : 2) * options.position_sigma;
+      Vec<double, 6> d = Vec<double, 6>::Zero();
+      d.tail<3>() = options.position_sigma * normal.vector<3>();
+      d[5] += away * normal.vector<3>()[0];
+      s.frames[k].T_ref_cam = plus(s.frames[k].T_ref_cam, d);
+      const Vec<double, 3> axis = R_body_cam * Vec<double, 3>(0, 0, away);
+      s.frames[k].position_covariance = axis * axis.transpose();
+    }
+    const InertialAlignment<double, 10> a = align_inertial<10>(s.span(), s.T_body_cam, options);
+    REQUIRE(a.outcome == AlignmentOutcome::aligned);
+    known += std::pow(a.scale / 2 - 1, 2) / runs;
+    chi2 += a.chi2 / runs;
+    for (auto& frame : s.frames) frame.position_covariance.setZero();
+    const InertialAlignment<double, 10> b = align_inertial<10>(s.span(), s.T_body_cam, options);
+    contradicted += b.contradicts();
+    unknown += std::pow(b.scale / 2 - 1, 2) / runs;
+  }
+  CAPTURE(std::sqrt(known), std::sqrt(unknown), chi2, contradicted);
+  REQUIRE((chi2 > 0.3 && chi2 < 1.5));
+  REQUIRE(contradicted > runs / 2);
+  REQUIRE(known < unknown / 2);
+}
+
 TEST_CASE("alignment: says what is missing") {
   const Vec<double, 3> zero = Vec<double, 3>::Zero();
   {

@@ -80,9 +80,10 @@ TEMPLATE_TEST_CASE("two_view: pairs of which half are wrong are no second view",
 }
 
 TEST_CASE("two_view: a first view expires when little is left of it, or with time") {
-  Guided::Start start({});
+  const Guided::Start::Options options;
+  Guided::Start start(options);
   REQUIRE(start.has_expired(0));
-  for (int k = 0; k < TwoViewStartOptions{}.min_pairs; ++k) {
+  for (int k = 0; k < options.min_pairs; ++k) {
     start.add_pair(Vec<double, 3>::UnitZ(), Vec<double, 3>::UnitZ());
   }
   REQUIRE(!start.has_expired(1));

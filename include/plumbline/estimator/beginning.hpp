@@ -68,7 +68,7 @@ class Beginning {
     if constexpr (is_complete) {
       odometry.origin.set(estimate.T_world_body, estimate.covariance);
     } else {
-      reckoning_.begin(odometry.window().latest(), estimate.covariance, S(0));
+      reckon_from(odometry, odometry.window().latest(), 0);
       reckoning_.lose();
     }
   }
@@ -151,9 +151,9 @@ class Beginning {
     }
   }
 
-  /// One frame of a map that is not metric yet: a pose for the alignment. True when that is worth trying; the frame
-  /// becomes a keyframe first.
-  bool gather(Odometry& odometry, const View<Sensors>& view) {
+  /// One frame of a map that is not metric yet: a pose for the alignment, known that well by its image. True when it is
+  /// worth trying; the frame becomes a keyframe first.
+  bool gather(Odometry& odometry, const View<Sensors>& view, const typename Odometry::Covariance& covariance) {
     if constexpr (is_complete) {
       // Points that are there for the start alone go when the others carry the estimate.
       if (odometry.front_ends.lasting_count(odometry.landmarks) >= 2 * odometry.options.recovery.min_landmarks) {
@@ -163,7 +163,7 @@ class Beginning {
     } else {
       publish_rough(odometry);
       return start_.add(view.t_ns, odometry.window().latest().T_world_body * view.T_body_cam,
-                        odometry.motion.imu().since_frame(), odometry.rig_state);
+                        block<3, 3>(covariance, 3, 3), odometry.motion.imu().since_frame(), odometry.rig_state);
     }
   }
   /// Vision and IMU agree, perhaps: then the map becomes metric.
@@ -249,7 +249,7 @@ class Beginning {
     odometry.good_ns = view.t_ns;
     if constexpr (!is_complete) {
       start_.clear();
-      start_.add(view.t_ns, odometry.window().latest().T_world_body * view.T_body_cam,
+      start_.add(view.t_ns, odometry.window().latest().T_world_body * view.T_body_cam, zeros<Mat<S, 3, 3>>(),
                  odometry.motion.imu().since(odometry.window().latest()), odometry.rig_state);
     }
   }
@@ -264,12 +264,14 @@ class Beginning {
     const double scale_sigma = start_.scale_sigma(), travelled = double(norm(x.T_world_body.p() - T_world_start_.p()));
     const double place_sigma = scale_sigma * travelled + motion.rest_position_sigma;
     if (reckoning_.excludes(x.T_world_body.p(), S(place_sigma))) return;
-    publish(odometry, x, start_.gravity_sigma(), place_sigma,
-            scale_sigma * double(norm(x.v_world_body)) + motion.velocity_sigma);
+    publish(odometry, x, start_.gravity_sigma(), place_sigma);
     odometry.set_health(HealthState::degraded, HealthReason::scale_uncertain);
+    if (stood_ && !reckoning_.is_lost()) return;  // a map may yet be found wrong, a rest is none
+    stood_ = false;
+    reckon_from(odometry, x, scale_sigma * double(norm(x.v_world_body)) + motion.velocity_sigma);
   }
-  /// A state whose vertical [rad], place [m] and velocity [m/s] are known that well.
-  void publish(Odometry& odometry, const State& x, double tilt_sigma, double place_sigma, double velocity_sigma) {
+  /// A state whose vertical [rad] and place [m] are known that well.
+  static void publish(Odometry& odometry, const State& x, double tilt_sigma, double place_sigma) {
     show(odometry, x);
     typename Odometry::Covariance P = zeros<typename Odometry::Covariance>();
     for (int k = 0; k < 3; ++k) {
@@ -277,6 +279,9 @@ class Beginning {
       P(3 + k, 3 + k) = S(place_sigma * place_sigma);
     }
     odometry.publish(P);
+  }
+  /// From what is published; velocity_sigma [m/s].
+  void reckon_from(const Odometry& odometry, const State& x, double velocity_sigma) {
     reckoning_.begin(x, odometry.estimate.covariance, S(velocity_sigma));
   }
   static void show(Odometry& odometry, const State& x) {
@@ -324,9 +329,9 @@ class Beginning {
       odometry.window().set_latest(x);
       known.T_world_body = T_world_start_ * known.T_world_body;
       const auto& motion = odometry.options.motion;
-      // That it leaves is seen when it has some speed already.
-      publish(odometry, known, start_.options().accel_bias_sigma / motion.gravity, motion.rest_position_sigma,
-              motion.velocity_sigma);
+      publish(odometry, known, start_.options().accel_bias_sigma / motion.gravity, motion.rest_position_sigma);
+      stood_ = true;
+      reckon_from(odometry, known, motion.velocity_sigma);  // that it leaves is seen when it has some speed already
       odometry.set_health(HealthState::degraded, HealthReason::aligning);
     }
   }
@@ -337,6 +342,7 @@ class Beginning {
   Start start_;
   SE3<S> T_world_start_;  ///< with an IMU: where all began anew, upright
   [[no_unique_address]] Reckoning reckoning_;
+  bool stood_ = false;  ///< it leads on from a rest
   Stage stage_ = Stage::nothing;
   TimeNs first_view_ns_ = 0;
   InitReport report_;

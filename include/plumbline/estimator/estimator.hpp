@@ -134,7 +134,8 @@ class Estimator {
         judge(predicted);
       } else {
         core_.solve_alone(view, x, covariance);
-        const bool worth_aligning = beginning_.gather(core_, view), needed = core_.needs_keyframe(view.t_ns);
+        const bool worth_aligning = beginning_.gather(core_, view, covariance),
+                   needed = core_.needs_keyframe(view.t_ns);
         if (worth_aligning) {
           core_.make_keyframe(view);
           beginning_.align(core_, view);

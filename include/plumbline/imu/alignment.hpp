@@ -38,7 +38,7 @@ namespace plumbline {
 struct InertialAlignmentOptions {
   bool metric = false;            ///< translations of the camera poses are in metres
   double rotation_sigma = 2e-3;   ///< of a camera pose [rad]
-  double position_sigma = 2e-3;   ///< of a camera pose, in units of the poses
+  double position_sigma = 2e-3;   ///< of a camera pose, in units of the poses, beside its own noise
   double accel_bias_sigma = 0.2;  ///< prior [m/s^2]
   std::size_t min_frames = 5;
   double max_gyro_residual = 0.02;  ///< [rad]
@@ -182,7 +182,12 @@ bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chai
   variance += cast_to<double>(block<6, 6>(d.covariance, 3, 3));
   for (int k = 0; k < 6; ++k) variance(k, k) += 1e-12;
   variance = (lambda * lambda) * variance;
-  for (int k = 0; k < 3; ++k) variance(k, k) += 2 * options.position_sigma * options.position_sigma;
+  const Mat3 noise_end = product(R_i_j.matrix(), cast_to<double>(end.position_covariance));
+  const Mat3 noise = cast_to<double>(begin.position_covariance) + product_transposed(noise_end, R_i_j.matrix());
+  for (int k = 0; k < 3; ++k) {
+    for (int i = 0; i < 3; ++i) variance(i, k) += noise(i, k);
+    variance(k, k) += 2 * options.position_sigma * options.position_sigma;
+  }
   const Result<Mat<double, 6, 6>> L = square_root_information(variance);
   if (!L) return false;
   chain.add_interval(product(*L, A_begin), product(*L, A_end), product(*L, B), product(*L, c));

@@ -29,20 +29,20 @@ class AlignmentWindow {
     rough_ = 0;
   }
 
-  /// One frame, with the readings since the one before, both cut by the same clock. True when it became one of the
-  /// poses.
+  /// One frame, with the readings since the one before, both cut by the same clock, and its position's own noise, see
+  /// AlignmentFrame. True when it became one of the poses.
   template <std::size_t N>
   bool add(TimeNs t_ns, const SE3<S>& T_ref_cam, const Preintegration<S, N>& since_last, double interval_s,
-           double time_offset_s = 0) {
+           double time_offset_s = 0, const Mat<S, 3, 3>& position_covariance = zeros<Mat<S, 3, 3>>()) {
     if (frames_.empty()) {
-      frames_.push_back({t_ns, time_offset_s, T_ref_cam, Increment(since_last.noise())});
+      frames_.push_back({t_ns, time_offset_s, T_ref_cam, position_covariance, Increment(since_last.noise())});
       pending_ = Increment(since_last.noise());
       return true;
     }
     for (const ImuInterval<S>& interval : since_last.intervals()) pending_.add(interval);
     if (pending_.increment().duration < S(interval_s * (1 << doublings_))) return false;
     if (frames_.full()) make_room();
-    frames_.push_back({t_ns, time_offset_s, T_ref_cam, pending_});
+    frames_.push_back({t_ns, time_offset_s, T_ref_cam, position_covariance, pending_});
     pending_ = Increment(since_last.noise());
     return true;
   }
@@ -74,7 +74,8 @@ class AlignmentWindow {
     std::array<AlignmentFrame<Increment>, capacity> frames;
     const std::size_t first = with_rough ? 0 : rough_, n = frames_.size() - first;
     for (std::size_t i = 0; i < n; ++i)
-      frames[i] = {where_cut(first + i, time_offset_s), &frames_[first + i].increment};
+      frames[i] = {where_cut(first + i, time_offset_s), &frames_[first + i].increment,
+                   frames_[first + i].position_covariance};
     return align_inertial<capacity, Increment>(std::span<const AlignmentFrame<Increment>>(frames.data(), n), T_body_cam,
                                                options, gravity);
   }
@@ -84,6 +85,7 @@ class AlignmentWindow {
     TimeNs t_ns;
     double time_offset_s;  ///< of the camera's clock, by which the readings are cut
     SE3<S> T_ref_cam;
+    Mat<S, 3, 3> position_covariance;
     Increment increment;
   };
 
@@ -112,7 +114,8 @@ class AlignmentWindow {
       Entry& kept = frames_[i / 2];
       Increment increment = frames_[i - 1].increment;
       increment.append(frames_[i].increment);
-      kept = {frames_[i].t_ns, frames_[i].time_offset_s, frames_[i].T_ref_cam, increment};
+      kept = {frames_[i].t_ns, frames_[i].time_offset_s, frames_[i].T_ref_cam, frames_[i].position_covariance,
+              increment};
     }
     frames_.resize(n / 2);
     ++doublings_;

@@ -25,7 +25,7 @@ struct InertialStartOptions {
   double max_rough_scale_sigma = 0.7;  ///< relative, of a pose that is published although its scale is uncertain
   double settling_s = 3;               ///< after the start of a camera without depth its scale is not certain
   double max_accel_bias_sigmas = 5;    ///< of accel_bias_sigma, when images and readings are first solved together
-  double max_time_error_s = 2e-3;      ///< the camera's clock was wrong by more: poses so far are rough
+  double max_time_error_s = 5e-3;      ///< the camera's clock was wrong by more: poses so far are rough
   double max_readout_error_s = 4e-3;   ///< or the readout time of its shutter
   double max_time_sigma_s = 3e-3;      ///< of the camera's clock, when images and readings are first solved together
   double max_time_wait_s = 2;          ///< for that
@@ -53,9 +53,10 @@ class InertialStart {
     tried_ns_ = 0;
     contradicted_s_ = 0;
   }
-  /// One more of them, with the readings since the frame before and what the rig was found to be: its clock cuts the
-  /// readings, its readout moves the images. True when it is worth trying to align.
-  bool add(TimeNs t_ns, const SE3<S>& T_ref_cam, const Preintegration<S>& since_last, const auto& rig_state) {
+  /// One more of them, its position's own noise, the readings since the frame before and what the rig was found to be:
+  /// its clock cuts the readings, its readout moves the images. True when it is worth trying to align.
+  bool add(TimeNs t_ns, const SE3<S>& T_ref_cam, const Mat<S, 3, 3>& position_covariance,
+           const Preintegration<S>& since_last, const auto& rig_state) {
     t_ns_ = t_ns;
     time_offset_s_ = rig_state.time_offset_s();
     const double readout_s = double(rig_state.readout().value_s);
@@ -65,7 +66,7 @@ class InertialStart {
       series_time_offset_s_ = time_offset_s_;
       series_readout_s_ = readout_s;
     }
-    return window_.add(t_ns, T_ref_cam, since_last, options_.frame_interval_s, time_offset_s_);
+    return window_.add(t_ns, T_ref_cam, since_last, options_.frame_interval_s, time_offset_s_, position_covariance);
   }
   /// A keyframe of that time was solved for again.
   void correct(TimeNs t_ns, const SE3<S>& T_ref_cam) { window_.correct(t_ns, T_ref_cam); }

@@ -19,8 +19,7 @@ namespace plumbline {
 struct TwoViewStartOptions {
   double min_parallax_rad = 0.035;  ///< of the two first views
   double min_inliers = 0.7;         ///< of the pairs, that fit the two views
-  int min_pairs = 30;
-  double max_start_s = 4;  ///< longer without a second view: begin with a new first one
+  double max_start_s = 4;           ///< longer without a second view: begin with a new first one
 };
 
 /// The rotation between the views is known to some degrees.
@@ -28,6 +27,7 @@ template <class S, std::size_t Capacity>
 class GuidedTwoView {
  public:
   struct Options : TwoViewStartOptions {
+    int min_pairs = 20;
     TwoViewOptions two_view;
   };
 
@@ -45,6 +45,7 @@ template <class S, std::size_t Capacity>
 class UnguidedTwoView {
  public:
   struct Options : TwoViewStartOptions {
+    int min_pairs = 30;
     RelativePoseOptions two_view;
   };
 
