@@ -89,6 +89,17 @@ TEMPLATE_TEST_CASE("dead_reckoning: readings that do not tell", "", float, doubl
   CHECK((body.sigma(2) > 1.7) == missing);
 }
 
+TEST_CASE("dead_reckoning: a place far from where it leads is excluded while it leads") {
+  Body<double> body;
+  body.advance(1);
+  const Vec<double, 3> away(1, 0, 0), there = body.p();
+  CHECK(body.reckoning.excludes(there + away, 0.1));
+  CHECK_FALSE(body.reckoning.excludes(there + away, 0.5));
+  CHECK(body.reckoning.excludes(Vec<double, 3>(std::nan(""), 0, 0), 0.5));
+  body.advance(4);
+  CHECK_FALSE(body.reckoning.excludes(there + 10 * away, 0.1));
+}
+
 TEST_CASE("dead_reckoning: nothing before it has begun, and a loss that was counted by others") {
   DeadReckoning<double> reckoning;
   reckoning.advance(frame<double>(), {0, 0, -9.8}, dt, false, false);
