@@ -81,6 +81,21 @@ TEST_CASE("motion_estimate: more landmarks leave less doubt") {
   REQUIRE(all < more);
 }
 
+TEST_CASE("motion_estimate: how much smaller errors are than claimed is told, how much larger is in the covariance") {
+  const auto scale2 = [](int points, int lines, double noise_scale) {
+    Scene<double> scene(points, lines, noise_scale);
+    REQUIRE(scene.refine() == HealthReason::none);
+    return scene.estimate->noise_scale2();
+  };
+  const double as_claimed = scale2(200, 0, 1);  // below one: depth is claimed to err, too
+  CHECK(as_claimed > 0.1);
+  CHECK(as_claimed < 1);
+  CHECK(scale2(200, 0, 0.5) == Approx(as_claimed / 4).epsilon(0.1));
+  CHECK(scale2(200, 0, 0) < 1e-4);
+  CHECK(scale2(0, 12, 0) < 1e-4);
+  CHECK(scale2(200, 0, 4) == 1);
+}
+
 TEMPLATE_TEST_CASE("motion_estimate: what does not fit is taken out of the frame, and then the pose is right", "",
                    float, double) {
   using S = TestType;

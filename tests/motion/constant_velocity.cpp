@@ -110,9 +110,9 @@ TEST_CASE("constant_velocity: ties no frames, and has no opinion on what the ima
   CHECK(motion.confirm_keyframe(0, motion_px, true));
   CHECK_FALSE(motion.confirm_keyframe(0, motion_px, false));
   CHECK_FALSE(motion.revise(moving.latest, moving.latest, 0.1));
-  CHECK(motion.doubt(NoLinks(0), 0) == HealthReason::none);
+  CHECK(motion.doubt(NoLinks(0), 0, false) == HealthReason::none);
   const Mat<double, 6, 6> covariance = 2 * Mat<double, 6, 6>::Identity();
-  CHECK(motion.covariance_grown(covariance) == covariance);
+  CHECK(motion.covariance_grown(covariance, 1.0) == covariance);
   const auto predicted = moving.motion.predict(moving.latest, moving.view(0.1), 0,
                                                [](const SE3<double>&) { return test::SeenRotation<double>{}; });
   CHECK_FALSE(predicted.prior.valid);

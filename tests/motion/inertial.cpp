@@ -367,6 +367,37 @@ TEMPLATE_TEST_CASE("inertial: an accelerometer that images contradict has no say
   CHECK(drive.confirm_keyframe(100, false));  // the link that is blind in parts ends
 }
 
+TEMPLATE_TEST_CASE("inertial: images that show little do not contradict an accelerometer", "", float, double) {
+  using S = TestType;
+  const bool few_features = GENERATE(false, true);
+  CAPTURE(few_features);
+  Drive<S> drive;
+  drive.motion->become_metric();
+  const auto links = std::make_unique<InertialLinks<S, 4>>(InertialOptions());
+  const auto go_on = [&](double error) {
+    drive.advance_with([&](ImuSample& sample) { sample.accel.x() += error; });
+    const auto predicted = drive.predict();
+    drive.motion->update(predicted.state, drive.truth(drive.now).T_world_body, drive.sure(), drive.view());
+    drive.found();
+    drive.motion->doubt(*links, Window<S>(), few_features);
+  };
+  for (int k = 0; k < 80; ++k) go_on(0);
+  int before_doubt = 0;
+  for (; before_doubt < 40 && !drive.motion->link(0).accel_in_doubt; ++before_doubt) go_on(4);
+  if (few_features) {
+    CHECK(before_doubt == 40);
+  } else {
+    REQUIRE(before_doubt < 20);
+    // The frame that found it out is the first whose velocity images tell, and not a jump of theirs.
+    NavState<S> solved = drive.latest;
+    solved.v_world_body.x() += S(20);
+    solved.T_world_body = SE3<S>(solved.T_world_body.rotation(), solved.T_world_body.p() + Vec<S, 3>(S(1), S(0), S(0)));
+    CHECK(drive.motion->revise(drive.latest, solved, S(frame_s)));
+    const double gained = double(norm(Vec<S, 3>(solved.v_world_body - drive.latest.v_world_body)));
+    CHECK(gained <= Approx(InertialOptions().accel_doubt * frame_s));
+  }
+}
+
 TEMPLATE_TEST_CASE("inertial: where both sensors seem to fail at once the images are wrong", "", float, double) {
   using S = TestType;
   Drive<S> drive;
@@ -467,16 +498,24 @@ TEMPLATE_TEST_CASE("inertial: without images the covariance grows with what read
   drive.go_on(1);
   drive.advance();
   const Mat<S, 6, 6> before = S(1e-4) * Mat<S, 6, 6>::Identity();
-  Mat<S, 6, 6> grown = drive.motion->covariance_grown(before);
   const InertialOptions options;
   const double walk = options.velocity_sigma * options.velocity_sigma * frame_s;
   const auto& covariance = drive.motion->imu().since_frame().increment().covariance;
-  for (int r = 0; r < 6; ++r) {
-    for (int c = 0; c < 6; ++c) {
-      const double expected = double(before(r, c)) + double(covariance(r, c)) + (r == c && r >= 3 ? walk : 0);
-      CHECK(double(grown(r, c)) == Approx(expected).margin(1e-12));
+  const auto check_grown = [&](double blind_s, double moved) {
+    const Mat<S, 6, 6> grown = drive.motion->covariance_grown(before, S(blind_s));
+    for (int r = 0; r < 6; ++r) {
+      for (int c = 0; c < 6; ++c) {
+        const double more = r == c && r >= 3 ? walk + moved : 0;
+        CHECK(double(grown(r, c)) == Approx(double(before(r, c)) + double(covariance(r, c)) + more).margin(1e-12));
+      }
     }
-  }
+  };
+  check_grown(1, 0);
+  // What is wrong with the velocity of the last state solved for adds up, seen or not.
+  const double sigma = 3;
+  drive.motion->know_velocity(S(sigma * sigma) * Mat<S, MovingLayout::dim, MovingLayout::dim>::Identity());
+  drive.motion->lose();
+  check_grown(1, sigma * sigma * (1 - (1 - frame_s) * (1 - frame_s)));
 }
 
 TEMPLATE_TEST_CASE("inertial: an accelerometer that gravity drives to its rail tells nothing", "", float, double) {
@@ -494,7 +533,7 @@ TEMPLATE_TEST_CASE("inertial: an accelerometer that gravity drives to its rail t
   for (int k = 0; k < 8; ++k) drive.advance_with(clip_at(10.0));
   drive.found();
   drive.go_on(2);  // between two arrivals
-  CHECK(drive.motion->doubt(*links, window) == HealthReason::imu_saturated);
+  CHECK(drive.motion->doubt(*links, window, false) == HealthReason::imu_saturated);
 }
 
 TEMPLATE_TEST_CASE("inertial: says what is wrong with its readings", "", float, double) {
@@ -505,12 +544,12 @@ TEMPLATE_TEST_CASE("inertial: says what is wrong with its readings", "", float, 
   Drive<S> drive;
   drive.motion->become_metric();
   drive.go_on(2);
-  CHECK(drive.motion->doubt(*links, window) == HealthReason::none);
+  CHECK(drive.motion->doubt(*links, window, false) == HealthReason::none);
   drive.advance_with([](ImuSample& sample) { sample.accel.x() = 1e3; });
-  CHECK(drive.motion->doubt(*links, window) == HealthReason::imu_saturated);
+  CHECK(drive.motion->doubt(*links, window, false) == HealthReason::imu_saturated);
   drive.found();
   drive.advance(false);
-  CHECK(drive.motion->doubt(*links, window) == HealthReason::no_imu_data);
+  CHECK(drive.motion->doubt(*links, window, false) == HealthReason::no_imu_data);
   drive.found();
   drive.go_on(1);
   // Readings and images that contradict each other.
@@ -521,10 +560,10 @@ TEMPLATE_TEST_CASE("inertial: says what is wrong with its readings", "", float, 
   NavState<S> x = drive.latest;
   const int second = window.insert(drive.now, x);
   links->insert(second, x, drive.motion->link(first));
-  CHECK(drive.motion->doubt(*links, window) == HealthReason::none);
+  CHECK(drive.motion->doubt(*links, window, false) == HealthReason::none);
   x.v_world_body.x() += S(2);
   window.state(second) = typename Window<S>::State(x);
-  CHECK(drive.motion->doubt(*links, window) == HealthReason::imu_disagrees);
+  CHECK(drive.motion->doubt(*links, window, false) == HealthReason::imu_disagrees);
 }
 
 TEMPLATE_TEST_CASE("inertial: a new world keeps the biases alone", "", float, double) {

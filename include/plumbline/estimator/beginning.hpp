@@ -163,7 +163,7 @@ class Beginning {
     } else {
       publish_rough(odometry);
       return start_.add(view.t_ns, odometry.window().latest().T_world_body * view.T_body_cam,
-                        block<3, 3>(covariance, 3, 3), odometry.motion.imu().since_frame(), odometry.rig_state);
+                        odometry.noise_of_place(covariance), odometry.motion.imu().since_frame(), odometry.rig_state);
     }
   }
   /// Vision and IMU agree, perhaps: then the map becomes metric.

@@ -126,6 +126,10 @@ class Odometry {
     set_ranges(landmarks, window(), view, T, readout_s(), /*all=*/false);
     return HealthReason::none;
   }
+  /// Of the place that was found, from its covariance, as small as the errors are that its features have.
+  Mat<S, 3, 3> noise_of_place(const Covariance& covariance) const {
+    return pose_.noise_scale2() * block<3, 3>(covariance, 3, 3);
+  }
 
   /// A frame that nothing ties to others: its pose is that of its features; a keyframe is solved for with the window.
   void solve_alone(const View<Sensors>& view, const State& x, const Covariance& covariance) {
@@ -256,9 +260,9 @@ class Odometry {
     origin.travel_to(x.T_world_body);
     estimate.keyframe = false;
     estimate.tracked = landmarks.tracked_count();
-    HealthReason doubt = motion.doubt(backend.links(), window());
-    if (doubt == HealthReason::none && estimate.tracked < 2 * options.pose.min_inliers)
-      doubt = HealthReason::few_features;
+    const bool few = estimate.tracked < 2 * options.pose.min_inliers;
+    HealthReason doubt = motion.doubt(backend.links(), window(), few);
+    if (doubt == HealthReason::none && few) doubt = HealthReason::few_features;
     set_health(doubt == HealthReason::none ? HealthState::tracking : HealthState::degraded, doubt);
     if constexpr (Motion::Layout::template has<state::Velocity>) {
       if (!motion.ties_frames()) return;

@@ -103,6 +103,8 @@ class Recovery {
     const RecoveryOptions& options = odometry.options.recovery;
     const bool is_old = lacks == HealthReason::images_repeat, is_wrong = lacks == HealthReason::imu_disagrees;
     const bool stands = stand(odometry, view.t_ns, x) && !is_wrong;  // else all may have to begin anew
+    auto covariance = odometry.estimate.covariance;                  // a keyframe made on the way here knows no better
+    if (!stands) covariance = odometry.motion.covariance_grown(covariance, S(odometry.blind_s(view.t_ns)));
     odometry.window().set_latest(x);
     bool shows_enough = !is_old && odometry.landmarks.seen_count() >= options.min_landmarks;
     if (shows_enough && !is_wrong) {
@@ -114,8 +116,6 @@ class Recovery {
     } else if (!is_old) {
       undo_frame(odometry);
     }
-    auto covariance = odometry.estimate.covariance;
-    if (!stands) covariance = odometry.motion.covariance_grown(covariance);
     odometry.publish(view.t_ns);
     odometry.estimate.covariance = covariance;
     odometry.estimate.tracked = 0;

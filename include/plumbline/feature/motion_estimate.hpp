@@ -3,6 +3,8 @@
 /// for what does not fit.                                                          docs/math/point.md,
 /// docs/math/line.md
 
+#include <algorithm>
+
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/motion_terms.hpp"
@@ -32,6 +34,10 @@ class MotionEstimate {
   explicit MotionEstimate(const MotionOptions& options) : options_(options) {}
   const MotionOptions& options() const { return options_; }
 
+  /// By how much the covariance of the last pose was too large, the errors of what it rests on being smaller than they
+  /// are claimed to be. At most 1: where they are larger, less was made of them already.
+  S noise_scale2() const { return noise_scale2_; }
+
   /// Moves T, from which the landmarks in sight are far or near, to where they agree, and takes those that do not out
   /// of the frame. `prior` is about T_predicted. `none` when all is well, else what the pose lacks.
   HealthReason refine(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks, const auto& window,
@@ -49,11 +55,16 @@ class MotionEstimate {
       if (norm(d) < S(options_.step_tolerance)) break;
     }
     int inliers = 0;
+    S errors = S(0);
     landmarks.for_each_with(terms_, [&]<class Store>(Store& store, auto& terms) {
       const int fitting = terms.gate(store, S(options_.chi2_gate));  // by the errors before a last, short step
-      if (!HoldsOthers<typename Store::Kind>) inliers += fitting;
+      if (HoldsOthers<typename Store::Kind>) return;
+      inliers += fitting;
+      errors += S(fitting) * terms.scale2();
     });
     if (inliers < options_.min_inliers) return HealthReason::few_inliers;
+    const S freedom = S(2 * inliers - dim);
+    noise_scale2_ = freedom > S(0) ? std::min(S(1), 2 * errors / freedom) : S(1);
     return system.covariance(covariance) && T.is_finite() ? HealthReason::none : HealthReason::unconstrained;
   }
 
@@ -70,6 +81,7 @@ class MotionEstimate {
   }
 
   MotionOptions options_;
+  S noise_scale2_ = S(1);
   typename Landmarks::template TupleOf<MotionTerms> terms_;
 };
 

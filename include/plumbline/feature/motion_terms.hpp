@@ -56,7 +56,8 @@ class MotionTerms {
     sorted_ = errors_;
     const std::size_t middle = sorted_.size() / 2;
     std::nth_element(sorted_.begin(), sorted_.begin() + middle, sorted_.end());
-    const S scale2 = sorted_.empty() ? S(1) : std::max(S(1), sorted_[middle] / S(1.386));  // median of chi2(2)
+    scale2_ = sorted_.empty() ? S(1) : sorted_[middle] / S(1.386);  // median of chi2(2)
+    const S scale2 = std::max(S(1), scale2_);
     int inliers = 0;
     for (std::size_t i = 0; i < items_.size(); ++i) {
       if (errors_[i] < chi2 * scale2) {
@@ -68,6 +69,8 @@ class MotionTerms {
     }
     return inliers;
   }
+  /// Errors that were gated last, squared, to those of features that err as they claim to.
+  S scale2() const { return scale2_; }
 
  private:
   struct Item {
@@ -85,6 +88,7 @@ class MotionTerms {
 
   FixedVector<Item, Store::capacity> items_;
   FixedVector<S, Store::capacity> errors_, sorted_;  ///< whitened and squared, of the pixels
+  S scale2_ = S(1);
 };
 
 }  // namespace plumbline

@@ -86,7 +86,7 @@ class ConstantVelocity {
     moves_ = false;
   }
   static constexpr bool carries_on() { return false; }
-  Mat<S, 6, 6> covariance_grown(const Mat<S, 6, 6>& before) const { return before; }
+  Mat<S, 6, 6> covariance_grown(const Mat<S, 6, 6>& before, S /*blind_s*/) const { return before; }
   /// Where the body was seen last.
   State restart(const State& latest) {
     lose();
@@ -99,7 +99,9 @@ class ConstantVelocity {
   bool confirm_keyframe(TimeNs, auto&& /*motion_px*/, bool needed) const { return needed; }
   Link link(int /*keyframe*/) const { return {}; }
   void begin_link(const State&) {}
-  HealthReason doubt(const auto& /*links*/, const auto& /*window*/) const { return HealthReason::none; }
+  HealthReason doubt(const auto& /*links*/, const auto& /*window*/, bool /*few_features*/) const {
+    return HealthReason::none;
+  }
 
  private:
   Options options_;

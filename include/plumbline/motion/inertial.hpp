@@ -98,6 +98,7 @@ class Inertial {
       return {x, {}};
     }
     Prediction<State, S> out{clock_.at_cut(latest), {true}};
+    knows_place_ = velocity_sigma_ < options_.velocity_sigma;
     if (at_rest_) set_zero(out.state.v_world_body);
     before_ = out.state;
     foretold_ = increment.predict(before_, gravity_);
@@ -129,7 +130,7 @@ class Inertial {
   /// Whether a pose is near enough to what the readings foretell to be preferred to what more landmarks agree on: where
   /// the window tells how well it knows the velocity.
   bool admits(const Prediction<State, S>& predicted, const SE3<S>& T) const {
-    if (!(velocity_sigma_ < options_.velocity_sigma)) return true;
+    if (!knows_place_) return true;
     PosePrior<S> prior = predicted.prior;
     set_segment(prior.sigma, 3, place_sigma_);
     return prior.admits(minus(T, predicted.state.T_world_body), S(options_.max_vote));
@@ -158,6 +159,7 @@ class Inertial {
   void know_velocity(const Mat<S, MovingLayout::dim, MovingLayout::dim>& P) {
     constexpr int v = MovingLayout::offset<state::Velocity>;
     const double sigma = std::sqrt(double(std::max({P(v, v), P(v + 1, v + 1), P(v + 2, v + 2)})));
+    solved_velocity_sigma_ = sigma;
     velocity_sigma_ = std::min(options_.velocity_sigma, options_.velocity_doubt * sigma);
   }
   void lose() {
@@ -165,12 +167,12 @@ class Inertial {
     accel_check_.interrupt();
   }
   bool carries_on() const { return is_metric_; }
-  /// Of a pose after the readings of one frame without images.
-  Mat<S, 6, 6> covariance_grown(const Mat<S, 6, 6>& before) const {
+  /// Of a pose after the readings of one frame without images, blind_s after the last one of use.
+  Mat<S, 6, 6> covariance_grown(const Mat<S, 6, 6>& before, S blind_s) const {
     const auto& increment = imu_.since_frame().increment();
+    const S t = increment.duration, v = S(solved_velocity_sigma_), walk = S(options_.velocity_sigma);
     Mat<S, 6, 6> out = before + block<6, 6>(increment.covariance, 0, 0);
-    const S walk = S(options_.velocity_sigma * options_.velocity_sigma) * increment.duration;
-    for (int k = 3; k < 6; ++k) out(k, k) += walk;
+    for (int k = 3; k < 6; ++k) out(k, k) += walk * walk * t + v * v * (2 * blind_s - t) * t;
     return out;
   }
   /// In a world of its own: what is kept are the biases.
@@ -228,7 +230,8 @@ class Inertial {
     const bool may_rest = is_metric_ && long_enough && rest_.at_rest();
     return needed || may_rest || ((blind_since_keyframe_ || jumped_since_keyframe_) && !imu_.blind());
   }
-  HealthReason doubt(const auto& links, const auto& window) {
+  HealthReason doubt(const auto& links, const auto& window, bool few_features) {
+    if (few_features) accel_check_.interrupt();
     const bool solved = is_metric_ && !at_rest_;  // at rest frames are not solved for
     links_disagree_ = solved && links.disagreement(window) > options_.max_disagreement;
     if (imu_.missing()) return HealthReason::no_imu_data;
@@ -298,7 +301,10 @@ class Inertial {
     accel_check_.update(T.p(), sigma, view.T_world_previous.p(), before_, foretold_, view.dt, links_disagree_);
     const S doubt = accel_check_.in_doubt() ? S(options_.accel_doubt) : S(0);
     imu_.doubt_accelerometer(doubt);
-    if (doubt > S(0) && !was_in_doubt) since_keyframe_.doubt_accelerometer(doubt);
+    if (doubt > S(0) && !was_in_doubt) {
+      since_keyframe_.doubt_accelerometer(doubt);
+      blind_since_keyframe_ = true;
+    }
   }
 
   /// d is log of what the prediction lacks, d = -(b - b_then) dt.
@@ -330,7 +336,8 @@ class Inertial {
   CameraClock<S> clock_;
   Vec<S, 3> angular_rate_ = zeros<S, 3>();         ///< in this frame [rad/s]
   Vec<S, 3> angular_rate_before_ = zeros<S, 3>();  ///< in the one before
-  double velocity_sigma_;                          ///< of the latest state [m/s]
+  double velocity_sigma_;                          ///< of the latest state, taken for larger [m/s]
+  double solved_velocity_sigma_ = 0;               ///< of the last one solved for, as the window has it
   Vec<S, 3> place_sigma_ = zeros<S, 3>();          ///< of the predicted frame, by that [m]
   GyroscopeCheck<S> gyro_check_;
   AccelerometerCheck<S> accel_check_;
@@ -338,6 +345,7 @@ class Inertial {
   StandstillReport rest_;
   bool is_metric_ = false, blind_since_keyframe_ = false, jumped_since_keyframe_ = false, at_rest_ = false;
   bool links_disagree_ = false;
+  bool knows_place_ = false;  ///< of the predicted frame, how well
 };
 
 }  // namespace plumbline
