@@ -34,8 +34,8 @@ struct Scene {
   Scene(int point_count, int line_count, double noise_scale, const MotionOptions& options = {})
       : points(point_count, noise_scale), estimate(std::make_unique<Estimate>(options)) {
     const Lines lines(line_count, noise_scale);
-    landmarks->template get<0>().landmarks() = points.store->landmarks();
-    landmarks->template get<1>().landmarks() = lines.store->landmarks();
+    (*landmarks).template get<0>().landmarks() = points.store->landmarks();
+    (*landmarks).template get<1>().landmarks() = lines.store->landmarks();
     T_true = points.window.T_world_body(latest);
     T_body_cam = points.T_body_cam.template cast<S>();
     T = off(1);
@@ -100,7 +100,7 @@ TEMPLATE_TEST_CASE("motion_estimate: what does not fit is taken out of the frame
                    float, double) {
   using S = TestType;
   Scene<S> scene(30, 12, 0);
-  auto& points = scene.landmarks->template get<0>();
+  auto& points = (*scene.landmarks).template get<0>();
   for (std::size_t i = 0; i < 30; i += 6) points.landmarks()[i].current.uv += Vec<float, 2>(25, -15);
   REQUIRE(scene.refine() == HealthReason::none);
   REQUIRE(points.rejected().size() == 5);

@@ -91,6 +91,11 @@ class DirectBackend {
     if (!alone_) return bundle_.covariance_of_newest(covariance);
     return frame_.covariance(window(), window().newest(), covariance);
   }
+  /// Of the leading blocks of the newest keyframe, which was solved for with the bundle.
+  template <int Dim>
+  bool covariance_of_keyframe(Mat<S, Dim, Dim>& covariance) const {
+    return bundle_.covariance_of_newest(covariance);
+  }
   bool covariance_of_extrinsics(Mat<double, 6, 6>& covariance) const requires has_extrinsics<Layout> {
     return bundle_.covariance_of_extrinsics(covariance);
   }

@@ -42,10 +42,23 @@ class Beginning {
   bool has_first_view() const { return stage_ == Stage::one_view || has_map(); }
   bool has_map() const { return stage_ == Stage::map; }
 
-  /// Whether images and readings have told the scale for so short a time that it may still be wrong.
-  bool is_settling(TimeNs t_ns) const {
-    if constexpr (!is_complete && Start::needs_second_view)
-      return report_.stage == InitStage::done && seconds_between(report_.done_ns, t_ns) < start_.options().settling_s;
+  /// Until images and readings have told the scale for some time, and well, it may still be wrong; what they say of each
+  /// other tells whether it is.
+  void settle(Odometry& odometry, const View<Sensors>& view) {
+    if constexpr (settles) {
+      if (settled_ || report_.stage != InitStage::done) return;
+      const Health health = odometry.estimate.health;
+      const bool young = seconds_between(report_.done_ns, view.t_ns) < start_.options().settling_s;
+      if (young && health.reason == HealthReason::imu_disagrees) disagreed_s_ += double(view.dt);
+      settled_ = !young && odometry.motion.speed_sigma() < start_.options().max_speed_sigma;
+      if (!settled_ && health.state == HealthState::tracking)
+        odometry.set_health(HealthState::degraded, HealthReason::scale_uncertain);
+    }
+  }
+  /// Whether the start was none, as readings and images contradicted each other ever since.
+  bool is_refuted() const {
+    if constexpr (settles)
+      return report_.stage == InitStage::done && disagreed_s_ > start_.options().max_disagreement_s;
     else
       return false;
   }
@@ -68,6 +81,10 @@ class Beginning {
     if constexpr (is_complete) {
       odometry.origin.set(estimate.T_world_body, estimate.covariance);
     } else {
+      if (is_refuted()) {
+        ++report_.rejected;
+        forget_way(odometry);
+      }
       reckon_from(odometry, odometry.window().latest(), 0);
       reckoning_.lose();
     }
@@ -191,6 +208,7 @@ class Beginning {
         odometry.window().set_latest(before);
         return give_up(odometry, view);
       }
+      begun_ = x;
       odometry.motion.become_metric();
       if constexpr (Start::needs_second_view) {
         // On the way here scale and vertical were what they were taken for; the heading's axis is tilted, say half way.
@@ -207,6 +225,26 @@ class Beginning {
   enum class Stage : std::uint8_t { nothing, blind, one_view, map };
   /// Whether a map is all that is needed.
   static constexpr bool is_complete = !Odometry::Motion::is_chain;
+  /// Whether its scale is one that images and readings find together.
+  static constexpr bool settles = !is_complete && Start::needs_second_view;
+
+  /// What a wrong map made of the way since the first view, and of the biases, says nothing: the body may be anywhere, its
+  /// heading is that of the gyroscope.
+  void forget_way(Odometry& odometry) const {
+    State x = odometry.window().latest();
+    x.bias_gyro = begun_.bias_gyro;
+    x.bias_accel = begun_.bias_accel;
+    odometry.window().set_latest(x);
+    Estimate<S>& estimate = odometry.estimate;
+    const double s = seconds_between(first_view_ns_, estimate.t_ns);
+    const double travelled = double(norm(estimate.T_world_body.p() - T_world_start_.p()));
+    const S place_sigma = S(std::hypot(travelled, odometry.options.recovery.lost_speed * s));
+    const S heading_sigma = S(start_.options().gyro_bias_sigma * s);
+    for (int k = 0; k < 3; ++k) {
+      estimate.covariance(k, k) += heading_sigma * heading_sigma;
+      estimate.covariance(3 + k, 3 + k) += place_sigma * place_sigma;
+    }
+  }
 
   void wait(Odometry& odometry, HealthReason reason, InitStage stage) {
     report_.stage = stage;
@@ -226,6 +264,8 @@ class Beginning {
   void finish(const View<Sensors>& view) {
     report_.stage = InitStage::done;
     report_.done_ns = view.t_ns;
+    disagreed_s_ = 0;
+    settled_ = false;
   }
 
   /// What vision has at T_ref_turned, in the world that is published.
@@ -345,6 +385,9 @@ class Beginning {
   bool stood_ = false;  ///< it leads on from a rest
   Stage stage_ = Stage::nothing;
   TimeNs first_view_ns_ = 0;
+  State begun_;             ///< with which it became metric
+  double disagreed_s_ = 0;  ///< readings and images, soon after
+  bool settled_ = false;    ///< its scale is certain
   InitReport report_;
 };
 

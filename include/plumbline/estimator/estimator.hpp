@@ -66,14 +66,15 @@ class Estimator {
     beginning_.reckon(core_, view);
     if (!beginning_.has_first_view()) {
       recovery_.begin(core_, beginning_, view);
+    } else if (beginning_.is_refuted()) {
+      recovery_.begin_anew(core_, beginning_, view);
     } else {
       const Predicted predicted = core_.predict(view);
       if (!beginning_.has_map()) {
         beginning_.look_for_second_view(core_, view, predicted.state);
       } else {
         go_on(view, predicted, stage);
-        if (beginning_.is_settling(view.t_ns) && core_.estimate.health.state == HealthState::tracking)
-          core_.set_health(HealthState::degraded, HealthReason::scale_uncertain);
+        beginning_.settle(core_, view);
       }
     }
     work_.end_frame(core_, view);

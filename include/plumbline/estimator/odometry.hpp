@@ -213,6 +213,10 @@ class Odometry {
     if (Motion::is_chain && !motion.ties_frames()) return;  // its world is not the one that is published
     estimate.T_world_body = x.T_world_body;
     if (knows_covariance) publish(keyframe_covariance_);
+    if constexpr (Motion::Layout::template has<state::Velocity>) {
+      Mat<S, MovingLayout::dim, MovingLayout::dim> known;
+      if (backend.covariance_of_keyframe(known)) motion.know_speed(known, x.v_world_body);
+    }
   }
   /// For the next frame: a keyframe goes to the map when the window is full.
   void make_room(const View<Sensors>& view) {

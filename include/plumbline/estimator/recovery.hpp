@@ -52,7 +52,9 @@ class Recovery {
     const int tries = beginning.patience(odometry.options.recovery.max_lost_frames);
     const bool goes_on =
         odometry.motion.carries_on() ? coast(odometry, view, predicted, lacks) : wait(odometry, view, tries, lacks);
-    if (goes_on) return;
+    if (!goes_on) begin_anew(odometry, beginning, view);
+  }
+  void begin_anew(Odometry& odometry, Beginning& beginning, const View<Sensors>& view) {
     if (!Motion::is_chain || odometry.motion.carries_on()) {
       ++odometry.estimate.resets;
       beginning.lose_place(odometry);

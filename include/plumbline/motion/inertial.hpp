@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/result.hpp"
@@ -162,6 +163,14 @@ class Inertial {
     solved_velocity_sigma_ = sigma;
     velocity_sigma_ = std::min(options_.velocity_sigma, options_.velocity_doubt * sigma);
   }
+  /// The same of a keyframe that moves at v.
+  void know_speed(const Mat<S, MovingLayout::dim, MovingLayout::dim>& P, const Vec<S, 3>& v) {
+    constexpr int at = MovingLayout::offset<state::Velocity>;
+    speed_sigma_ = std::sqrt(double(dot(v, block<3, 3>(P, at, at) * v))) / double(squared_norm(v));
+  }
+  /// How well the window knows the speed, relative: without depth it does not know the scale any better. Not a number,
+  /// or infinite, where nothing moves.
+  double speed_sigma() const { return speed_sigma_; }
   void lose() {
     velocity_sigma_ = options_.velocity_sigma;
     accel_check_.interrupt();
@@ -200,6 +209,7 @@ class Inertial {
   bool is_metric() const { return is_metric_; }
   void become_metric() {
     is_metric_ = true;
+    speed_sigma_ = std::numeric_limits<double>::infinity();
     camera_imu_.forget_mount();
     camera_imu_.forget_world();
   }
@@ -338,7 +348,8 @@ class Inertial {
   Vec<S, 3> angular_rate_before_ = zeros<S, 3>();  ///< in the one before
   double velocity_sigma_;                          ///< of the latest state, taken for larger [m/s]
   double solved_velocity_sigma_ = 0;               ///< of the last one solved for, as the window has it
-  Vec<S, 3> place_sigma_ = zeros<S, 3>();          ///< of the predicted frame, by that [m]
+  double speed_sigma_ = std::numeric_limits<double>::infinity();
+  Vec<S, 3> place_sigma_ = zeros<S, 3>();  ///< of the predicted frame, by that [m]
   GyroscopeCheck<S> gyro_check_;
   AccelerometerCheck<S> accel_check_;
   State before_, foretold_;  ///< of the predicted frame: the state before, and what the readings make of it
