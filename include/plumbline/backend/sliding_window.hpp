@@ -203,11 +203,6 @@ class WindowBackend {
   bool covariance_of_newest(Mat<S, Dim, Dim>& covariance) const {
     return equations_.covariance(window_.newest(), covariance);
   }
-  /// The same, the newest one being a keyframe.
-  template <int Dim>
-  bool covariance_of_keyframe(Mat<S, Dim, Dim>& covariance) const {
-    return covariance_of_newest(covariance);
-  }
   /// Of where the camera sits, right increments; false when it is not estimated.
   bool covariance_of_extrinsics(Mat<double, 6, 6>& covariance) const requires has_extrinsics<Layout> {
     return window_.estimates_extrinsics() && equations_.covariance(equations_.rig, covariance);

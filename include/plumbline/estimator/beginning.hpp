@@ -228,8 +228,8 @@ class Beginning {
   /// Whether its scale is one that images and readings find together.
   static constexpr bool settles = !is_complete && Start::needs_second_view;
 
-  /// What a wrong map made of the way since the first view, and of the biases, says nothing: the body may be anywhere, its
-  /// heading is that of the gyroscope.
+  /// What a wrong map made of the way since the first view, and of the biases, says nothing: the body may be anywhere,
+  /// its heading is that of the gyroscope.
   void forget_way(Odometry& odometry) const {
     State x = odometry.window().latest();
     x.bias_gyro = begun_.bias_gyro;

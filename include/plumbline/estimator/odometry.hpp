@@ -193,7 +193,10 @@ class Odometry {
     Mat<S, Known::dim, Known::dim> known;
     if (!backend.covariance_of_newest(known)) set_identity(known);
     publish(block<state::Pose::dim, state::Pose::dim>(known, 0, 0));
-    if constexpr (TellsVelocity<Backend>) motion.know_velocity(known);
+    if constexpr (TellsVelocity<Backend>) {
+      motion.know_velocity(known);
+      motion.know_speed(known, window().latest().v_world_body);
+    }
   }
   void stay_in_window(const View<Sensors>& view) {
     adopt_keyframe(view, temporary_);
@@ -213,7 +216,7 @@ class Odometry {
     if (Motion::is_chain && !motion.ties_frames()) return;  // its world is not the one that is published
     estimate.T_world_body = x.T_world_body;
     if (knows_covariance) publish(keyframe_covariance_);
-    if constexpr (Motion::Layout::template has<state::Velocity>) {
+    if constexpr (Motion::is_chain && !TellsVelocity<Backend>) {
       Mat<S, MovingLayout::dim, MovingLayout::dim> known;
       if (backend.covariance_of_keyframe(known)) motion.know_speed(known, x.v_world_body);
     }

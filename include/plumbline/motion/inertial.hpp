@@ -163,7 +163,7 @@ class Inertial {
     solved_velocity_sigma_ = sigma;
     velocity_sigma_ = std::min(options_.velocity_sigma, options_.velocity_doubt * sigma);
   }
-  /// The same of a keyframe that moves at v.
+  /// The same of a state that moves at v.
   void know_speed(const Mat<S, MovingLayout::dim, MovingLayout::dim>& P, const Vec<S, 3>& v) {
     constexpr int at = MovingLayout::offset<state::Velocity>;
     speed_sigma_ = std::sqrt(double(dot(v, block<3, 3>(P, at, at) * v))) / double(squared_norm(v));
