@@ -513,7 +513,8 @@ TEMPLATE_TEST_CASE("inertial: without images the covariance grows with what read
   check_grown(1, 0);
   // What is wrong with the velocity of the last state solved for adds up, seen or not.
   const double sigma = 3;
-  drive.motion->know_velocity(S(sigma * sigma) * Mat<S, MovingLayout::dim, MovingLayout::dim>::Identity());
+  drive.motion->know_speed(S(sigma * sigma) * Mat<S, MovingLayout::dim, MovingLayout::dim>::Identity(),
+                           drive.latest.v_world_body);
   drive.motion->lose();
   check_grown(1, sigma * sigma * (1 - (1 - frame_s) * (1 - frame_s)));
 }

@@ -158,15 +158,12 @@ class Inertial {
   }
   /// How well the window knows the latest state, its velocity after its pose.
   void know_velocity(const Mat<S, MovingLayout::dim, MovingLayout::dim>& P) {
-    constexpr int v = MovingLayout::offset<state::Velocity>;
-    const double sigma = std::sqrt(double(std::max({P(v, v), P(v + 1, v + 1), P(v + 2, v + 2)})));
-    solved_velocity_sigma_ = sigma;
-    velocity_sigma_ = std::min(options_.velocity_sigma, options_.velocity_doubt * sigma);
+    velocity_sigma_ = std::min(options_.velocity_sigma, options_.velocity_doubt * largest_velocity_sigma(P));
   }
-  /// The same of a state that moves at v.
+  /// The same of a state that was solved for with the window, if not the latest one, and moves at v.
   void know_speed(const Mat<S, MovingLayout::dim, MovingLayout::dim>& P, const Vec<S, 3>& v) {
-    constexpr int at = MovingLayout::offset<state::Velocity>;
-    speed_sigma_ = std::sqrt(double(dot(v, block<3, 3>(P, at, at) * v))) / double(squared_norm(v));
+    solved_velocity_sigma_ = largest_velocity_sigma(P);
+    speed_sigma_ = std::sqrt(double(dot(v, block<3, 3>(P, at_velocity, at_velocity) * v))) / double(squared_norm(v));
   }
   /// How well the window knows the speed, relative: without depth it does not know the scale any better. Not a number,
   /// or infinite, where nothing moves.
@@ -315,6 +312,12 @@ class Inertial {
       since_keyframe_.doubt_accelerometer(doubt);
       blind_since_keyframe_ = true;
     }
+  }
+
+  static constexpr int at_velocity = MovingLayout::offset<state::Velocity>;
+  static double largest_velocity_sigma(const Mat<S, MovingLayout::dim, MovingLayout::dim>& P) {
+    constexpr int v = at_velocity;
+    return std::sqrt(double(std::max({P(v, v), P(v + 1, v + 1), P(v + 2, v + 2)})));
   }
 
   /// d is log of what the prediction lacks, d = -(b - b_then) dt.
