@@ -50,7 +50,7 @@ class Beginning {
       const Health health = odometry.estimate.health;
       const bool young = seconds_between(report_.done_ns, view.t_ns) < start_.options().settling_s;
       if (young && health.reason == HealthReason::imu_disagrees) disagreed_s_ += double(view.dt);
-      settled_ = !young && odometry.motion.speed_sigma() < start_.options().max_speed_sigma;
+      settled_ = !young && start_.tells_scale(odometry.motion.speed(), odometry.motion.speed_sigma());
       if (!settled_ && health.state == HealthState::tracking)
         odometry.set_health(HealthState::degraded, HealthReason::scale_uncertain);
     }

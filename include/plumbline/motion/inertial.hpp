@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/result.hpp"
@@ -163,10 +162,11 @@ class Inertial {
   /// The same of a state that was solved for with the window, if not the latest one, and moves at v.
   void know_speed(const Mat<S, MovingLayout::dim, MovingLayout::dim>& P, const Vec<S, 3>& v) {
     solved_velocity_sigma_ = largest_velocity_sigma(P);
-    speed_sigma_ = std::sqrt(double(dot(v, block<3, 3>(P, at_velocity, at_velocity) * v))) / double(squared_norm(v));
+    speed_ = std::sqrt(double(squared_norm(v)));
+    speed_sigma_ = std::sqrt(double(dot(v, block<3, 3>(P, at_velocity, at_velocity) * v))) / speed_;
   }
-  /// How well the window knows the speed, relative: without depth it does not know the scale any better. Not a number,
-  /// or infinite, where nothing moves.
+  /// Of that state, and how well the window knows it [m/s]: without depth it does not know the scale any better.
+  double speed() const { return speed_; }
   double speed_sigma() const { return speed_sigma_; }
   void lose() {
     velocity_sigma_ = options_.velocity_sigma;
@@ -206,7 +206,7 @@ class Inertial {
   bool is_metric() const { return is_metric_; }
   void become_metric() {
     is_metric_ = true;
-    speed_sigma_ = std::numeric_limits<double>::infinity();
+    speed_ = 0;
     camera_imu_.forget_mount();
     camera_imu_.forget_world();
   }
@@ -351,8 +351,8 @@ class Inertial {
   Vec<S, 3> angular_rate_before_ = zeros<S, 3>();  ///< in the one before
   double velocity_sigma_;                          ///< of the latest state, taken for larger [m/s]
   double solved_velocity_sigma_ = 0;               ///< of the last one solved for, as the window has it
-  double speed_sigma_ = std::numeric_limits<double>::infinity();
-  Vec<S, 3> place_sigma_ = zeros<S, 3>();  ///< of the predicted frame, by that [m]
+  double speed_ = 0, speed_sigma_ = 0;             ///< of that one [m/s]
+  Vec<S, 3> place_sigma_ = zeros<S, 3>();          ///< of the predicted frame, by that [m]
   GyroscopeCheck<S> gyro_check_;
   AccelerometerCheck<S> accel_check_;
   State before_, foretold_;  ///< of the predicted frame: the state before, and what the readings make of it

@@ -2,6 +2,7 @@
 /// Start of a rig with an IMU, on top of that of its camera: vision alone, until its poses and the IMU agree on scale,
 /// gravity, velocities and biases.                                                docs/math/inertial_window.md
 
+#include <algorithm>
 #include <cmath>
 
 #include "plumbline/core/matrix.hpp"
@@ -24,7 +25,9 @@ struct InertialStartOptions {
   double min_scale_sigma = 0.05;       ///< relative, of the length that the window holds; aligned poses share errors
   double max_rough_scale_sigma = 0.7;  ///< relative, of a pose that is published although its scale is uncertain
   double settling_s = 3;               ///< after the start of a camera without depth its scale is not certain,
-  double max_speed_sigma = 0.02;       ///< nor before the window has known a speed that well, relative
+  double max_speed_sigma = 0.02;       ///< nor before the window has known a speed that well, relative,
+  double speed_noise = 0.01;           ///< or, of a slow body, as well as that [m/s],
+  double max_slow_speed_sigma = 0.05;  ///< but no worse than that, relative
   double max_accel_bias_sigmas = 5;    ///< of accel_bias_sigma, when images and readings are first solved together
   double max_time_error_s = 5e-3;      ///< the camera's clock was wrong by more: poses so far are rough
   double max_readout_error_s = 4e-3;   ///< or the readout time of its shutter
@@ -110,6 +113,12 @@ class InertialStart {
   /// Whether the camera's clock seems right, or will not be found out in reasonable time.
   bool is_in_time(const CameraImuFilter& found, double since_first_view_s) const {
     return found.believes_clock(options_.max_time_sigma_s) || since_first_view_s > options_.max_time_wait_s;
+  }
+
+  /// Whether a speed that is known that well [m/s] tells the scale.
+  bool tells_scale(double speed, double sigma) const {
+    return sigma < std::min(std::max(options_.max_speed_sigma * speed, options_.speed_noise),
+                            options_.max_slow_speed_sigma * speed);
   }
 
   /// Whether there is an alignment, if a rough one.
