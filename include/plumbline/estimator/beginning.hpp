@@ -42,8 +42,8 @@ class Beginning {
   bool has_first_view() const { return stage_ == Stage::one_view || has_map(); }
   bool has_map() const { return stage_ == Stage::map; }
 
-  /// Until images and readings have told the scale for some time, and well, it may still be wrong; what they say of each
-  /// other tells whether it is.
+  /// Until images and readings have told the scale for some time, and well, it may still be wrong; what they say of
+  /// each other tells whether it is.
   void settle(Odometry& odometry, const View<Sensors>& view) {
     if constexpr (settles) {
       if (settled_ || report_.stage != InitStage::done) return;
