@@ -45,9 +45,11 @@ using MonoImu = Rig<Mono<Pinhole<double>, 64 * 64>, Imu>;  // images are never u
 using RgbdImu = Rig<Rgbd<Pinhole<double>, 64 * 64>, Imu>;
 
 struct RunOptions {
-  double noise = 1;           ///< of points, IMU and first keyframe, as simulated and as claimed; biases stay
-  double sigma_first = 1e-3;  ///< of place [m] and heading [rad] of the first keyframe
-  int start_keyframes = 6;    ///< with which the inertial window begins
+  double noise = 1;              ///< of points, IMU and first keyframe, as simulated and as claimed; biases stay
+  double sigma_first = 1e-3;     ///< of place [m] and heading [rad] of the first keyframe
+  int start_keyframes = 6;       ///< with which the inertial window begins
+  double start_tilt = 0.005;     ///< of the world they are in [rad]
+  double start_scale_sigma = 0;  ///< of their distances, relative; known to the window
   int frames_per_keyframe = 5;
   int points = 1200, lines = 300;                         ///< in the world
   std::size_t points_in_sight = 50, lines_in_sight = 15;  ///< are made up to by keyframes
@@ -103,7 +105,7 @@ class BackendRun {
     rig_.vision.camera = points_.camera;
     rig_.imu.T_body_cam = calibrated(testing::stream_seed(seed, 23));
     while (reading_.t < first_s) reading_ = imu_.next(trajectory_);
-    start();
+    start(seed);
   }
 
   /// The next frame, and its errors.
@@ -155,6 +157,17 @@ class BackendRun {
     double sigma_s = 0;
     const double e = backend_->window().time_offset_s(0) - time_offset_s_;
     return backend_->sigma_of_time_offset(sigma_s) ? e * e / (sigma_s * sigma_s) : std::nan("");
+  }
+
+  /// Of the speed, which is what a scale that is not known makes wrong, one degree of freedom.
+  double nees_speed() const {
+    constexpr int dim = MovingLayout::dim, at = InertialLayout::offset<state::Velocity>;
+    Mat<S, dim, dim> C;
+    if (!backend_->covariance_of_newest(C)) return std::nan("");
+    const Vec<double, 3> v = trajectory_.at(reading_.t + time_offset_s_).v_world_body;
+    const Vec<double, 3> along = state_.v_world_body.template cast<double>().normalized();
+    const double e = along.dot(state_.v_world_body.template cast<double>()) - v.norm();
+    return e * e / along.dot(C.template block<3, 3>(at, at).template cast<double>() * along);
   }
 
   /// Information on the heading and position of the whole, in units of what the first keyframe's prior knew of it: that
@@ -238,13 +251,15 @@ class BackendRun {
   }
 
   /// The first keyframes as vision alone would have put them, and the inertial window over them.
-  void start() {
+  void start(std::uint64_t seed) {
     const SE3<double> T_first = T_world_body();
     const auto& w = window_options_;
     // In the world: tilt, which is measured, and heading, which is not.
-    const Vec<double, 3> turn{0.005 * noise_(), 0.005 * noise_(), w.sigma_first_rotation * noise_()};
+    const Vec<double, 3> turn{options_.start_tilt * noise_(), options_.start_tilt * noise_(),
+                              w.sigma_first_rotation * noise_()};
     T_start_ = SE3<double>(SO3<double>::exp(turn) * T_first.rotation(),
                            T_first.p() + w.sigma_first_position * noise_.vector<3>());
+    const double scale = std::exp(options_.start_scale_sigma * testing::Gaussian(testing::stream_seed(seed, 25))());
     std::vector<NavState<S>> states(static_cast<std::size_t>(K));
     for (int k = 0; k < options_.start_keyframes; ++k) {
       SE3<double> T = T_start_;
@@ -252,7 +267,8 @@ class BackendRun {
         for (int i = 0; i < options_.frames_per_keyframe; ++i) advance();
         Vec<double, 6> off;
         off << 0.002 * noise_.vector<3>(), 0.005 * noise_.vector<3>();
-        T = plus(T_start_ * T_first.inverse() * T_world_body(), off);
+        const SE3<double> T_first_body = T_first.inverse() * T_world_body();
+        T = plus(T_start_ * SE3<double>(T_first_body.rotation(), scale * T_first_body.p()), off);
       }
       state_.T_world_body = T.template cast<S>();
       const int slot = k == 0 ? backend_->start(t_ns_, state_)
@@ -263,14 +279,30 @@ class BackendRun {
       locate();
       adopt_keyframe(slot);
     }
-    const InertialStart<S, DepthStart<S>> start({});
-    backend_->restart([&](int slot) { return states[std::size_t(slot)]; }, start.prior_on_biases(), T_body_cam(),
-                      {.known = false});
-    LevenbergMarquardtOptions solver = w.solver;
-    solver.max_iterations *= 4;
-    backend_->optimize(rig_, T_body_cam(), *landmarks_, solver);
+    const auto& window = backend_->window();
+    begin([&](int slot) { return states[std::size_t(slot)]; });
+    const int oldest = window.oldest();
+    const double length = (window.T_world_body(keyframe_slot_).p() - window.T_world_body(oldest).p()).norm();
+    solve(length);
+    if (options_.start_scale_sigma > 0) {
+      begin([&](int slot) { return window[slot].state.value(); });
+      solve(length);
+    }
     state_ = backend_->window()[keyframe_slot_].state.value();
     since_keyframe_ = Preintegration<S>(quality(options_.noise).noise, state_.bias_gyro, state_.bias_accel);
+  }
+
+  /// As estimator/beginning.hpp does.
+  void begin(auto&& state_of) {
+    const InertialStart<S, DepthStart<S>> start({});
+    backend_->restart(state_of, start.prior_on_biases(), rig_.T_body_cam(), {.known = false});
+  }
+  void solve(double length) {
+    const double sigma = options_.start_scale_sigma * length;
+    if (sigma > 0) backend_->hold_distance(backend_->window().oldest(), keyframe_slot_, length, sigma);
+    LevenbergMarquardtOptions solver = window_options_.solver;
+    solver.max_iterations *= 4;
+    backend_->optimize(rig_, T_body_cam(), *landmarks_, solver);
   }
 
   // ----------------------------------------------------------------------------------------------- observations

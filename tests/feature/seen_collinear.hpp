@@ -31,7 +31,7 @@ struct SeenCollinear : SeenPoints<S, Rig<Mono<Pinhole<S>, 64 * 64>>> {
       for (int k = line.anchor; k < Base::used; ++k) line.observations[std::size_t(k)] = segment(p, q, k);
       const SE3<double> T_cam_world = Base::T_world_cam(line.anchor).inverse();
       line.geometry.line = Line3<double>::through(T_cam_world * p, T_cam_world * q).template cast<S>();
-      line.located = true;
+      line.located = line.solved = true;
       for (int n = 0; n < on_each; ++n) add_point(p + double(n) / (on_each - 1) * (q - p), (i + n) % 2, line);
       lines->landmarks().push_back(line);
     }
@@ -46,7 +46,7 @@ struct SeenCollinear : SeenPoints<S, Rig<Mono<Pinhole<S>, 64 * 64>>> {
     typename Base::Landmark point;
     point.id = std::uint32_t(100 + Base::store->landmarks().size());
     point.anchor = anchor;
-    point.located = true;
+    point.located = point.solved = true;
     for (int k = anchor; k < Base::used; ++k) {
       const Vec<double, 3> p_cam = Base::T_world_cam(k).inverse() * p_world;
       auto& seen = point.observations[std::size_t(k)];

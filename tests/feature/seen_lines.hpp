@@ -97,7 +97,7 @@ struct SeenLines {
         landmark.observations[std::size_t(k)] = observe(p_world.back(), q_world.back(), k, noise_scale, noise);
       }
       landmark.geometry.line = true_line(std::size_t(i), landmark.anchor).template cast<S>();
-      landmark.located = true;
+      landmark.located = landmark.solved = true;
       const LineReprojection<S>& seen = landmark.seen_by_anchor().pixels.measured;
       landmark.geometry.set_extent(SE3<S>(), seen.bearing_start, seen.bearing_end);
       landmark.current = landmark.observations[used - 1];

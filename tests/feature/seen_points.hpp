@@ -48,6 +48,7 @@ struct SeenPoints {
     for (Landmark& landmark : store->landmarks()) {
       landmark.geometry.inverse_range = S(1 / points.see(T_world_cam(landmark.anchor), landmark.id).p_cam.norm());
       landmark.geometry.sigma_inverse_range = S(0.005);
+      landmark.solved = true;
     }
   }
 

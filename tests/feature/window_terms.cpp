@@ -1,6 +1,7 @@
 // What holds for every kind: rows are those of the residual types, and what is no number costs more than what is.
 #include "plumbline/feature/window_terms.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -202,6 +203,34 @@ TEMPLATE_TEST_CASE("window_terms: landmarks that take no part add nothing and ar
   scene.terms->step(*scene.store);
   scene.terms->for_each_leaving(1, scene.rig, *scene.store, scene.window, scene.views,
                                 [](const auto&, const auto&) { FAIL("nothing leaves"); });
+}
+
+TEMPLATE_TEST_CASE("window_terms: what leaves was part of the last solution", "", SCENES) {
+  using Seen = TestType;
+  Scene<Seen> scene(6);
+  const auto leaving = [&] {
+    int n = 0;
+    scene.terms->for_each_leaving(0, scene.rig, *scene.store, scene.window, scene.views,
+                                  [&](const auto&, const auto&) { ++n; });
+    return n;
+  };
+  for (auto& landmark : scene.landmarks()) landmark.solved = false;  // as when they have just been located
+  CHECK(leaving() == 0);
+  scene.linearize();
+  scene.pairs.reset();
+  scene.terms->finish(scene.rig, *scene.store, scene.window, scene.views, scene.pairs);
+  const int all = leaving();
+  CHECK(all > 2);
+  auto& anchored = *std::find_if(scene.landmarks().begin(), scene.landmarks().end(),
+                                 [](const auto& landmark) { return landmark.anchor == 0 && landmark.takes_part(); });
+  anchored.solved = false;
+  CHECK(leaving() == all - 1);
+  anchored.located = false;  // and by the next solution it is none
+  scene.linearize();
+  scene.pairs.reset();
+  scene.terms->finish(scene.rig, *scene.store, scene.window, scene.views, scene.pairs);
+  anchored.located = true;
+  CHECK(leaving() == all - 1);
 }
 
 TEMPLATE_TEST_CASE("window_terms: frames that are no longer in the window are not asked", "", SCENES) {

@@ -87,7 +87,10 @@ struct Scene {
       points.observe(store, T * T_body_cam, k, noise);
       if (k == 0) points.scatter(6, {1.0, 0.7, 1.0}, 8);  // seen from the second keyframe on
     }
-    for (Landmark& landmark : store.landmarks()) landmark.geometry.inverse_range *= S(1 + 0.02 * noise());
+    for (Landmark& landmark : store.landmarks()) {
+      landmark.geometry.inverse_range *= S(1 + 0.02 * noise());
+      landmark.solved = true;
+    }
     store.landmarks()[0].observations[0].depth.set({});  // no depth in the anchor
     store.landmarks()[1].observations[2].depth.set({});  // nor elsewhere
     store.landmarks()[2].observations[3].uv.x() += 30;   // beyond the kernel's threshold

@@ -68,6 +68,40 @@ TEMPLATE_TEST_CASE("frame_window: a new pose's first estimate stands to the newe
   REQUIRE(minus(plus(first(1), e), T_1).norm() < 2 * tolerance);
 }
 
+TEMPLATE_TEST_CASE("frame_window: a pose that no prior refers to stands so however the window moves", "", float,
+                   double) {
+  using S = TestType;
+  const S tolerance = std::is_same_v<S, float> ? S(4e-6) : S(1e-12);
+  FrameWindow<S, VisualLayout, 4> window;
+  for (int k = 0; k < 4; ++k) window.insert(k, {pose(k).cast<S>()});
+  const auto first = [&](int slot) { return window[slot].state.template get<state::Pose>().first_estimate(); };
+  const auto require_related = [&](int slot, int known) {
+    const SE3<S> relative = window.T_world_body(known).inverse() * window.T_world_body(slot);
+    CHECK(minus(first(known).inverse() * first(slot), relative).norm() < tolerance);  // (3)
+  };
+  Vec<double, 4 * 6> step;
+  for (int k = 0; k < step.size(); ++k) step[k] = 0.01 * (k + 1);
+  window.move(step);
+  for (int k = 0; k < 4; ++k) CHECK(minus(first(k), window.T_world_body(k)).norm() == 0);  // no prior refers to any
+
+  window.state(0).fix_first_estimates();
+  window.state(2).fix_first_estimates();
+  const SE3<S> first_0 = first(0), first_2 = first(2);
+  for (int n = 0; n < 3; ++n) {
+    window.move(step);
+    require_related(1, 2);
+    require_related(3, 2);
+    const Vec<S, 6> e = window[3].state.correction();
+    CHECK(minus(plus(first(3), e), window.T_world_body(3)).norm() < 2 * tolerance);
+  }
+  CHECK(minus(first(0), first_0).norm() == 0);
+  CHECK(minus(first(2), first_2).norm() == 0);
+  window.remove(2);
+  window.move(step);
+  require_related(1, 0);
+  require_related(3, 0);
+}
+
 TEST_CASE("frame_window: only poses take over how far the window has moved") {
   FrameWindow<double, InertialLayout, 3> window;
   NavState<double> x;

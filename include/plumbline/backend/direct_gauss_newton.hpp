@@ -60,7 +60,7 @@ class DirectBackend {
                const ClockBelief& clock = {}) {
     bundle_.restart(state_of, J_rest, T_body_cam, clock);
   }
-  void hold_distance(int i, int j, double sigma) { bundle_.hold_distance(i, j, sigma); }
+  void hold_distance(int i, int j, double distance, double sigma) { bundle_.hold_distance(i, j, distance, sigma); }
   void hold_scale(int i, int j) { bundle_.hold_scale(i, j); }
   int insert(TimeNs t_ns, const State& x, const Link& link) {
     if constexpr (requires { link.previous; }) frame_.follow(window(), link.previous);

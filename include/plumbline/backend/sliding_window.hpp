@@ -112,12 +112,14 @@ class WindowBackend {
     known_.begin(window_, T_body_cam, clock);
   }
 
-  /// The distance between two frames is what it is, with a sigma [m].
-  void hold_distance(int i, int j, double sigma) { prior_.add_distance(window_, i, j, sigma); }
+  /// The distance between two frames, with a sigma [m].
+  void hold_distance(int i, int j, double distance, double sigma) {
+    prior_.add_distance(window_, i, j, distance, sigma);
+  }
   /// From now on the distance between two frames defines the unit of length: without depth or an IMU nothing else does.
   void hold_scale(int i, int j) {
     const double distance = double(norm(window_.T_world_body(j).p() - window_.T_world_body(i).p()));
-    hold_distance(i, j, options_.sigma_first_scale * distance);
+    hold_distance(i, j, distance, options_.sigma_first_scale * distance);
   }
 
   /// A frame with its link to an earlier one. The window must not be full.

@@ -57,8 +57,9 @@ class WindowPrior {
     window.state(slot).fix_first_estimates();
   }
 
-  /// One more row on two frames, whose states as they are agree with it.
-  void add(Window& window, int i, const Mat<double, 1, frame_dim>& J_i, int j, const Mat<double, 1, frame_dim>& J_j) {
+  /// One more row on two frames, whose residual is r as they are.
+  void add(Window& window, int i, const Mat<double, 1, frame_dim>& J_i, int j, const Mat<double, 1, frame_dim>& J_j,
+           double r) {
     const int row = int(prior_.J0.rows());
     PLUMBLINE_ASSERT(row < dim);
     reduced_.J0 = prior_.J0;
@@ -72,22 +73,21 @@ class WindowPrior {
     for (int k = 0; k < row; ++k) prior_.r0[k] = reduced_.r0[k];
     for (const int slot : {i, j}) window.state(slot).fix_first_estimates();
     const Vector e = corrections(window);
-    double r = 0;  // zero at the current state, so that much at e = 0
     for (int c = 0; c < frame_dim; ++c) {
       prior_.J0(row, i * frame_dim + c) = J_i(0, c);
       prior_.J0(row, j * frame_dim + c) = J_j(0, c);
-      r -= J_i(0, c) * e[i * frame_dim + c] + J_j(0, c) * e[j * frame_dim + c];
+      r -= J_i(0, c) * e[i * frame_dim + c] + J_j(0, c) * e[j * frame_dim + c];  // at e = 0
     }
     prior_.r0[row] = r;
     prior_.information(H_);
   }
 
-  /// The distance between two frames is what it is, with a sigma [m].
+  /// The distance between two frames, with a sigma [m].
   ///   d|p_j - p_i| = u^T (R_j dp_j - R_i dp_i),  u its direction
-  void add_distance(Window& window, int i, int j, double sigma) {
+  void add_distance(Window& window, int i, int j, double distance, double sigma) {
     using S = typename Window::Scalar;
     const SE3<S>&T_i = window.T_world_body(i), &T_j = window.T_world_body(j);
-    const Vec<S, 3> u = normalized(T_j.p() - T_i.p());
+    const Vec<S, 3> p = T_j.p() - T_i.p(), u = normalized(p);
     const Vec<S, 3> u_i = T_i.rotation().inverse() * u, u_j = T_j.rotation().inverse() * u;
     Mat<double, 1, frame_dim> J_i, J_j;
     set_zero(J_i);
@@ -97,7 +97,7 @@ class WindowPrior {
       J_i(0, position + k) = -double(u_i[k]) / sigma;
       J_j(0, position + k) = double(u_j[k]) / sigma;
     }
-    add(window, i, J_i, j, J_j);
+    add(window, i, J_i, j, J_j, (double(norm(p)) - distance) / sigma);
   }
 
   double cost(const Window& window) const { return prior_.residual(corrections(window)).squaredNorm() / 2; }

@@ -196,13 +196,12 @@ class Beginning {
         return start_.is_contradicted() ? give_up(odometry, view) : publish_rough(odometry);
       const State before = odometry.window().latest();
       odometry.landmarks.for_each([&](auto& store) { store.rescale(start_.scale()); });
-      odometry.backend.restart([&](int slot) { return state_of(odometry.window().T_world_body(slot), T_body_cam); },
-                               start_.prior_on_biases(), T_body_cam,
-                               odometry.motion.clock(start_.options().max_time_sigma_s));
-      hold_scale(odometry);
-      LevenbergMarquardtOptions solver = odometry.options.backend.solver;
-      solver.max_iterations *= 2;
-      odometry.backend.optimize(odometry.rig, T_body_cam, odometry.landmarks, solver);
+      begin_window(odometry, [&](int slot) { return state_of(window.T_world_body(slot), T_body_cam); });
+      const double length = length_of(window);
+      solve(odometry, length);
+      // Once more: what is believed from now on was linearized where that ended, not at what the alignment had guessed.
+      begin_window(odometry, [&](int slot) { return window[slot].state.value(); });
+      solve(odometry, length);
       const State x = odometry.window().latest();
       if (!start_.believes(x)) {
         odometry.window().set_latest(before);
@@ -331,19 +330,27 @@ class Beginning {
     estimate.bias_gyro = x.bias_gyro;
     estimate.bias_accel = x.bias_accel;
   }
-  /// What the alignment knows of the scale, the window alone might not; its poses have errors in common, so not too
-  /// tight.
-  void hold_scale(Odometry& odometry) {
+  /// The frames' links hold from now on, nothing is known but what the alignment knew of the biases.
+  void begin_window(Odometry& odometry, auto&& state_of) {
+    odometry.backend.restart(state_of, start_.prior_on_biases(), odometry.rig_state.T_body_cam(),
+                             odometry.motion.clock(start_.options().max_time_sigma_s));
+  }
+  static double length_of(const auto& window) {
+    return double(norm(window.T_world_body(window.newest()).p() - window.T_world_body(window.oldest()).p()));
+  }
+  /// What the alignment knows of the scale, the window alone might not: by it oldest and newest frame are `length` [m]
+  /// apart. Its poses have errors in common, so not too tight.
+  void solve(Odometry& odometry, double length) {
+    const auto& window = odometry.window();
     if constexpr (Start::needs_second_view) {
-      const auto& window = odometry.window();
-      const int oldest = window.oldest(), newest = window.newest();
-      const double distance = double(norm(window.T_world_body(newest).p() - window.T_world_body(oldest).p()));
-      const double noise = start_.options().alignment.position_sigma * double(start_.scale());
-      if (oldest != newest)
-        odometry.backend.hold_distance(
-            oldest, newest,
-            std::hypot(std::max(start_.scale_sigma(), start_.options().min_scale_sigma) * distance, noise));
+      const auto& options = start_.options();
+      const double noise = options.alignment.position_sigma * double(start_.scale());
+      const double sigma = std::hypot(std::max(start_.scale_sigma(), options.min_scale_sigma) * length, noise);
+      if (window.size() > 1) odometry.backend.hold_distance(window.oldest(), window.newest(), length, sigma);
     }
+    LevenbergMarquardtOptions solver = odometry.options.backend.solver;
+    solver.max_iterations *= 2;
+    odometry.backend.optimize(odometry.rig, odometry.rig_state.T_body_cam(), odometry.landmarks, solver);
   }
 
   static bool is_at_rest(Odometry& odometry, TimeNs t_ns, double motion_px) {

@@ -15,6 +15,7 @@ struct Landmark {
   std::uint32_t id = 0;
   int anchor = 0;                                 ///< slot of the keyframe whose camera the geometry belongs to
   bool located = false;                           ///< the geometry is known
+  bool solved = false;                            ///< and was part of the window's last solution
   int misses = 0;                                 ///< frames in a row that should have seen it and did not
   typename Kind::Geometry geometry;               ///< in the anchor's camera
   typename Kind::Appearance appearance;           ///< by which it is recognized

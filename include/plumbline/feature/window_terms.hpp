@@ -140,6 +140,7 @@ class WindowTerms {
   void finish(const Sensors& rig, Store& store, const auto& window, const Views& views, Pairs& pairs) {
     for_each(store, [&](Landmark& landmark, Elimination& rows) {
       rows.reset();
+      landmark.solved = false;
       if (!landmark.takes_part()) return;
       const typename Kind::InAnchor in_anchor(landmark.geometry);
       for (int slot = 0; slot < slots; ++slot) {
@@ -158,7 +159,8 @@ class WindowTerms {
       if (!Kind::settle(landmark.geometry, landmark.seen_by_anchor(), known ? &covariance : nullptr)) {
         landmark.located = landmark.current.valid = false;
       }
-      if (landmark.takes_part()) {
+      landmark.solved = landmark.takes_part();
+      if (landmark.solved) {
         rows.add_to(pairs);
       } else {
         rows.reset();
@@ -198,11 +200,11 @@ class WindowTerms {
   /// Gives `take` what would be lost with the frame in `slot`, landmark by landmark: all rows of those anchored in it;
   /// of the others, which stay, the rows of their observation there, with a landmark of its own. That forgets how the
   /// observation refined the landmark, but not how it ties the two frames together. Residuals are those of the current
-  /// state.
+  /// state. A landmark that was located since the last solution says nothing: nobody has judged it yet.
   void for_each_leaving(int slot, const Sensors& rig, const Store& store, const auto& window, const Views& views,
                         auto&& take) {
     for_each(store, [&](const Landmark& landmark, Elimination& rows) {
-      if (!landmark.takes_part()) return;
+      if (!landmark.solved || !landmark.takes_part()) return;
       rows.reset(landmark.anchor);
       add_leaving(slot, rig, landmark, window, views, rows);
       if (rows.rows() == 0) return;

@@ -37,6 +37,7 @@ class Estimated {
   }
   /// From now on a prior refers to this first estimate.
   void fix_first_estimate() { fixed_ = true; }
+  bool is_fixed() const { return fixed_; }
 
  private:
   static SE3<S> moved(const SE3<S>& T, const Vec<S, 6>& d) { return plus(T, d); }

@@ -2,8 +2,8 @@
 /// The one owner of poses: the frames that are estimated, each in a slot that it keeps while it lives, the latest one,
 /// which is one of them or stands alone, and the camera's on the body and its clock.         docs/math/window.md
 ///
-/// A new pose gets the linearization point that stands to that of the newest frame as it stands to the newest frame
-/// itself,
+/// A pose that no prior refers to has the linearization point that stands to that of the newest one of the others as it
+/// stands to that one itself,
 ///   x0 = T0 T^-1 x,                                                                                          (3)
 /// so that Jacobians see how the two stand to each other now, however far the whole window has moved since.
 
@@ -68,16 +68,10 @@ class FrameWindow {
     PLUMBLINE_ASSERT(!full());
     int slot = 0;
     while (frames_[slot].used) ++slot;
-    State state(x);
-    if (size_ > 0) {
-      using Pose = Estimated<state::Pose, S>;
-      const Pose& newest = frames_[newest_].state.template get<state::Pose>();
-      state.template get<state::Pose>() =
-          Pose(x.T_world_body, newest.first_estimate() * newest.value().inverse() * x.T_world_body);  // (3)
-    }
-    frames_[slot] = {true, t_ns, ++sequence_, state};
+    frames_[slot] = {true, t_ns, ++sequence_, State(x)};
     ++size_;
     newest_ = slot;
+    relate_first_estimates();
     return slot;
   }
 
@@ -145,6 +139,7 @@ class FrameWindow {
       if (frame.used) take(frame.state, at);
       at += Layout::dim;
     }
+    relate_first_estimates();
     if constexpr (has_extrinsics<Layout>) {
       using Rig = RigLayout<Layout>;
       Extrinsics extrinsics = extrinsics_.get();
@@ -165,6 +160,25 @@ class FrameWindow {
   }
 
  private:
+  using Pose = Estimated<state::Pose, S>;
+
+  /// (3)
+  void relate_first_estimates() {
+    const Frame* newest = nullptr;
+    for (const Frame& frame : frames_) {
+      if (frame.used && frame.state.template get<state::Pose>().is_fixed() &&
+          (!newest || frame.sequence > newest->sequence))
+        newest = &frame;
+    }
+    if (!newest) return;
+    const Pose& known = newest->state.template get<state::Pose>();
+    const SE3<S> to_first = known.first_estimate() * known.value().inverse();
+    for (Frame& frame : frames_) {
+      Pose& pose = frame.state.template get<state::Pose>();
+      if (frame.used && !pose.is_fixed()) pose = Pose(pose.value(), to_first * pose.value());
+    }
+  }
+
   std::array<Frame, Slots> frames_{};
   int size_ = 0;
   int newest_ = 0;
