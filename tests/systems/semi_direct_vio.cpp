@@ -43,16 +43,27 @@ constexpr double rate_hz = 20;
 /// What the camera sees, from a time of its way on [s].
 struct World {
   double first_s;
+  testing::Trajectory trajectory;
   test::SimulatedRgbd seen;
+
+  World(double begin_s, int frames, const testing::Trajectory& way)
+      : first_s(begin_s), trajectory(way), seen(frames, begin_s, rate_hz, way) {}
 };
+testing::Trajectory room() { return *testing::Trajectory::for_scene("room"); }
 const World& in_motion() {
-  static const World world{2, test::SimulatedRgbd(frame_count, 2, rate_hz)};
+  static const World world(2, frame_count, room());
   return world;
 }
 /// The body stands for a second, then gains speed.
 const World& at_rest_first() {
-  static const World world{0, test::SimulatedRgbd(160, 0, rate_hz)};
+  static const World world(0, 160, room());
   return world;
+}
+/// It comes to a halt within half a second, and stands.
+World coming_to_a_halt() {
+  testing::Trajectory way = room();
+  way.stop(3, 30);
+  return World(3.5, 60, way);
 }
 SE3<double> T_body_cam() { return testing::simulated_T_body_camera(); }
 
@@ -68,7 +79,7 @@ struct RoomFlight {
   explicit RoomFlight(
       const Change& change = [](double, cv::Mat&, bool) { return true; }, const World& flown = in_motion())
       : world(flown) {
-    const auto trajectory = *testing::Trajectory::for_scene("room");
+    const testing::Trajectory& trajectory = world.trajectory;
     const testing::ImuQuality quality;
     testing::SimulatedImu simulated_imu(quality, 1);
     Sensors sensors{};
@@ -139,6 +150,25 @@ TEST_CASE("semi_direct_vio: fourteen seconds in a room, begun in motion") {
 }
 
 // What is found again after two seconds hangs on the moment: one of six leaves 0.12 m, or 0.06 m.
+TEST_CASE("semi_direct_vio: a body that comes to a halt before its start has a place there") {
+  const World world = coming_to_a_halt();
+  const RoomFlight run([](double, cv::Mat&, bool) { return true; }, world);
+  int poses = 0;
+  for (const Estimate<double>& estimate : run.estimates) {
+    const double since_halt_s = run.time_of(estimate) - 0.5;
+    CAPTURE(since_halt_s);
+    if (since_halt_s > 1.3) CHECK(estimate.health.state == HealthState::degraded);
+    poses += estimate.health.state == HealthState::degraded;
+  }
+  CHECK(poses > 20);
+  const Estimate<double>& last = run.estimates.back();
+  CHECK(last.health.reason == HealthReason::aligning);
+  CHECK(last.v_world_body.norm() == 0);
+  CHECK((last.T_world_body.rotation().inverse() * Vec<double, 3>::UnitZ() -
+         run.T_world_body(2.95).rotation().inverse() * Vec<double, 3>::UnitZ())
+            .norm() < 0.03);
+}
+
 TEST_CASE("semi_direct_vio: black for two seconds, from five moments on") {
   std::vector<double> errors;
   for (const double begin_s : {8.0, 8.2, 8.4, 8.6, 8.8}) {

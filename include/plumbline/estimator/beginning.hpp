@@ -143,7 +143,7 @@ class Beginning {
       const double motion_px = odometry.motion_of_most_px();
       const bool at_rest = is_at_rest(odometry, view.t_ns, motion_px);
       if (start.has_expired(seconds_between(first_view_ns_, view.t_ns)) ||
-          (at_rest && has_crept(odometry, motion_px))) {
+          (at_rest ? has_crept(odometry, motion_px) : has_stopped(odometry, view.t_ns, motion_px))) {
         take_first_view(odometry, view);
       }
       if (at_rest) rest(odometry);
@@ -366,6 +366,20 @@ class Beginning {
     else
       return motion_px > odometry.options.motion.rest_motion_px;
   }
+  /// What is seen has not moved any more for a while, nor do the readings: a body that stopped after its first view,
+  /// and stands still against a later one.
+  bool has_stopped(Odometry& odometry, TimeNs t_ns, double motion_px) {
+    if constexpr (is_complete) {
+      return false;
+    } else {
+      const auto& options = odometry.options.motion;
+      if (!(std::abs(motion_px - stopped_px_) < options.rest_motion_px)) {
+        stopped_px_ = motion_px;
+        stopped_ns_ = t_ns;
+      }
+      return seconds_between(stopped_ns_, t_ns) > options.rest_check_s && odometry.motion.may_rest(t_ns);
+    }
+  }
   /// Standing still before the start: all is known but the scale of what is seen. The world is the one that the window
   /// will have, see InertialStart.
   void rest(Odometry& odometry) {
@@ -392,6 +406,8 @@ class Beginning {
   bool stood_ = false;  ///< it leads on from a rest
   Stage stage_ = Stage::nothing;
   TimeNs first_view_ns_ = 0;
+  TimeNs stopped_ns_ = 0;   ///< since then what is seen
+  double stopped_px_ = 0;   ///< has been that far from the first view
   State begun_;             ///< with which it became metric
   double disagreed_s_ = 0;  ///< readings and images, soon after
   bool settled_ = false;    ///< its scale is certain
