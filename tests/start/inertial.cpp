@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <memory>
 #include <vector>
 
@@ -152,15 +151,4 @@ TEST_CASE("inertial_start: a camera with depth, shaken by hand from the first re
 TEST_CASE("inertial_start: what images and readings together do not bear out is not believed") {
   const ShakenRun run = shaken_run<Mono<Camera, width * height>>(1, 0);
   REQUIRE((run.report.rejected > 0 && run.report.stage != InitStage::done && run.tracked == 0));
-}
-
-TEST_CASE("inertial_start: a speed tells the scale as well as it is known, a slow one less") {
-  const InertialStart<double, DepthStart<double>> start({});
-  CHECK(start.tells_scale(1, 0.019));
-  CHECK_FALSE(start.tells_scale(1, 0.021));
-  CHECK(start.tells_scale(0.3, 0.009));  // 3 %, but what is left is not the scale's alone
-  CHECK_FALSE(start.tells_scale(0.3, 0.011));
-  CHECK_FALSE(start.tells_scale(0.1, 0.006));
-  CHECK_FALSE(start.tells_scale(0, 0));
-  CHECK_FALSE(start.tells_scale(0, std::numeric_limits<double>::quiet_NaN()));
 }

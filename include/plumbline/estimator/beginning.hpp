@@ -14,6 +14,7 @@
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/motion/dead_reckoning.hpp"
 #include "plumbline/solver/levenberg_marquardt.hpp"
+#include "plumbline/start/settling.hpp"
 #include "plumbline/start/start_report.hpp"
 #include "plumbline/state/health.hpp"
 
@@ -35,6 +36,7 @@ class Beginning {
                               .lost_speed = lost.lost_speed,
                               .lost_rate = lost.lost_rate});
     }
+    if constexpr (settles) settling_ = Settling(options.start.settling);
   }
 
   const InitReport& report() const { return report_; }
@@ -42,23 +44,22 @@ class Beginning {
   bool has_first_view() const { return stage_ == Stage::one_view || has_map(); }
   bool has_map() const { return stage_ == Stage::map; }
 
-  /// Until images and readings have told the scale for some time, and well, it may still be wrong; what they say of
-  /// each other tells whether it is.
+  /// The scale of a camera without depth is uncertain for some time.
   void settle(Odometry& odometry, const View<Sensors>& view) {
     if constexpr (settles) {
-      if (settled_ || report_.stage != InitStage::done) return;
+      if (report_.stage != InitStage::done) return;
       const Health health = odometry.estimate.health;
-      const bool young = seconds_between(report_.done_ns, view.t_ns) < start_.options().settling_s;
-      if (young && health.reason == HealthReason::imu_disagrees) disagreed_s_ += double(view.dt);
-      settled_ = !young && start_.tells_scale(odometry.motion.speed(), odometry.motion.speed_sigma());
-      if (!settled_ && health.state == HealthState::tracking)
+      settling_.see(seconds_between(report_.done_ns, view.t_ns), double(view.dt),
+                    health.reason == HealthReason::imu_disagrees, odometry.motion.speed(),
+                    odometry.motion.speed_sigma());
+      if (!settling_.is_certain() && health.state == HealthState::tracking)
         odometry.set_health(HealthState::degraded, HealthReason::scale_uncertain);
     }
   }
   /// Whether the start was none, as readings and images contradicted each other ever since.
   bool is_refuted() const {
     if constexpr (settles)
-      return report_.stage == InitStage::done && disagreed_s_ > start_.options().max_disagreement_s;
+      return report_.stage == InitStage::done && settling_.is_refuted();
     else
       return false;
   }
@@ -263,8 +264,7 @@ class Beginning {
   void finish(const View<Sensors>& view) {
     report_.stage = InitStage::done;
     report_.done_ns = view.t_ns;
-    disagreed_s_ = 0;
-    settled_ = false;
+    if constexpr (settles) settling_.begin();
   }
 
   /// What vision has at T_ref_turned, in the world that is published.
@@ -397,20 +397,21 @@ class Beginning {
     }
   }
 
+  template <int>
   struct Nothing {};
-  using Reckoning = std::conditional_t<is_complete, Nothing, DeadReckoning<S>>;
+  using Reckoning = std::conditional_t<is_complete, Nothing<0>, DeadReckoning<S>>;
+  using ScaleSettling = std::conditional_t<settles, Settling, Nothing<1>>;
 
   Start start_;
   SE3<S> T_world_start_;  ///< with an IMU: where all began anew, upright
   [[no_unique_address]] Reckoning reckoning_;
+  [[no_unique_address]] ScaleSettling settling_;
   bool stood_ = false;  ///< it leads on from a rest
   Stage stage_ = Stage::nothing;
   TimeNs first_view_ns_ = 0;
-  TimeNs stopped_ns_ = 0;   ///< since then what is seen
-  double stopped_px_ = 0;   ///< has been that far from the first view
-  State begun_;             ///< with which it became metric
-  double disagreed_s_ = 0;  ///< readings and images, soon after
-  bool settled_ = false;    ///< its scale is certain
+  TimeNs stopped_ns_ = 0;  ///< since then what is seen
+  double stopped_px_ = 0;  ///< has been that far from the first view
+  State begun_;            ///< with which it became metric
   InitReport report_;
 };
 

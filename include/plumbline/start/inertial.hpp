@@ -12,6 +12,7 @@
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/motion/imu_intake.hpp"
 #include "plumbline/start/alignment_window.hpp"
+#include "plumbline/start/settling.hpp"
 #include "plumbline/start/start_report.hpp"
 #include "plumbline/state/camera_imu_filter.hpp"
 #include "plumbline/state/layout.hpp"
@@ -24,18 +25,14 @@ struct InertialStartOptions {
   double accel_bias_sigma = 0.2;       ///< [m/s^2]
   double min_scale_sigma = 0.05;       ///< relative, of the length that the window holds; aligned poses share errors
   double max_rough_scale_sigma = 0.7;  ///< relative, of a pose that is published although its scale is uncertain
-  double settling_s = 3;               ///< after the start of a camera without depth its scale is not certain,
-  double max_speed_sigma = 0.02;       ///< nor before the window has known a speed that well, relative,
-  double speed_noise = 0.01;           ///< or, of a slow body, as well as that [m/s],
-  double max_slow_speed_sigma = 0.05;  ///< but no worse than that, relative
   double max_accel_bias_sigmas = 5;    ///< of accel_bias_sigma, when images and readings are first solved together
   double max_time_error_s = 5e-3;      ///< the camera's clock was wrong by more: poses so far are rough
   double max_readout_error_s = 4e-3;   ///< or the readout time of its shutter
   double max_time_sigma_s = 3e-3;      ///< of the camera's clock, when images and readings are first solved together
   double max_time_wait_s = 2;          ///< for that
   double max_contradiction_s = 2;      ///< poses that contradict the readings for longer are of a wrong map
-  double max_disagreement_s = 0.5;     ///< the same of the estimate in that time
   InertialAlignmentOptions alignment;
+  SettlingOptions settling;
 };
 
 template <class S, class VisualT>
@@ -113,12 +110,6 @@ class InertialStart {
   /// Whether the camera's clock seems right, or will not be found out in reasonable time.
   bool is_in_time(const CameraImuFilter& found, double since_first_view_s) const {
     return found.believes_clock(options_.max_time_sigma_s) || since_first_view_s > options_.max_time_wait_s;
-  }
-
-  /// Whether a speed that is known that well [m/s] tells the scale.
-  bool tells_scale(double speed, double sigma) const {
-    return sigma < std::min(std::max(options_.max_speed_sigma * speed, options_.speed_noise),
-                            options_.max_slow_speed_sigma * speed);
   }
 
   /// Whether there is an alignment, if a rough one.
