@@ -18,7 +18,6 @@
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/mono.hpp"
 #include "plumbline/sensor/rgbd.hpp"
-#include "plumbline/start/depth.hpp"
 #include "plumbline/testing/renderer.hpp"
 #include "plumbline/testing/rig.hpp"
 #include "plumbline/testing/scenes.hpp"

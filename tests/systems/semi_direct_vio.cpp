@@ -149,7 +149,6 @@ TEST_CASE("semi_direct_vio: fourteen seconds in a room, begun in motion") {
   CHECK(std::abs(run.estimates.back().v_world_body.norm() - v_truth.norm()) < 0.05);
 }
 
-// What is found again after two seconds hangs on the moment: one of six leaves 0.12 m, or 0.06 m.
 TEST_CASE("semi_direct_vio: a body that comes to a halt before its start has a place there") {
   const World world = coming_to_a_halt();
   const RoomFlight run([](double, cv::Mat&, bool) { return true; }, world);
@@ -169,6 +168,7 @@ TEST_CASE("semi_direct_vio: a body that comes to a halt before its start has a p
             .norm() < 0.03);
 }
 
+// What is found again after two seconds hangs on the moment: one of six leaves 0.12 m, or 0.06 m.
 TEST_CASE("semi_direct_vio: black for two seconds, from five moments on") {
   std::vector<double> errors;
   for (const double begin_s : {8.0, 8.2, 8.4, 8.6, 8.8}) {

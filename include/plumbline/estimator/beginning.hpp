@@ -144,7 +144,7 @@ class Beginning {
       const double motion_px = odometry.motion_of_most_px();
       const bool at_rest = is_at_rest(odometry, view.t_ns, motion_px);
       if (start.has_expired(seconds_between(first_view_ns_, view.t_ns)) ||
-          (at_rest ? has_crept(odometry, motion_px) : has_stopped(odometry, view.t_ns, motion_px))) {
+          (at_rest ? has_crept(odometry, motion_px) : look_for_halt(odometry, view.t_ns, motion_px))) {
         take_first_view(odometry, view);
       }
       if (at_rest) rest(odometry);
@@ -368,7 +368,7 @@ class Beginning {
   }
   /// What is seen has not moved any more for a while, nor do the readings: a body that stopped after its first view,
   /// and stands still against a later one.
-  bool has_stopped(Odometry& odometry, TimeNs t_ns, double motion_px) {
+  bool look_for_halt(Odometry& odometry, TimeNs t_ns, double motion_px) {
     if constexpr (is_complete) {
       return false;
     } else {

@@ -2,7 +2,6 @@
 /// Start of a rig with an IMU, on top of that of its camera: vision alone, until its poses and the IMU agree on scale,
 /// gravity, velocities and biases.                                                docs/math/inertial_window.md
 
-#include <algorithm>
 #include <cmath>
 
 #include "plumbline/core/matrix.hpp"
