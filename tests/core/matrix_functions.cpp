@@ -86,6 +86,10 @@ TEMPLATE_TEST_CASE("matrix functions: inverse, products and vectors across are t
     Mat<S, 3, 3> inverse;
     REQUIRE(invert(A, inverse));
     CHECK(inverse == A.inverse());
+    const Mat<S, 2, 2> B = A.template topLeftCorner<2, 2>();
+    Mat<S, 2, 2> inverse_of_two;
+    REQUIRE(invert(B, inverse_of_two));
+    CHECK(inverse_of_two == B.inverse());
     const Mat<S, 7, 7> H = numbers<S, 7, 7>(n);
     const Vec<S, 7> x = numbers<S, 7>(n + 50);
     CHECK(quadratic_form(H, x) == S(x.transpose() * H * x));
@@ -108,5 +112,7 @@ TEMPLATE_TEST_CASE("matrix functions: what has no inverse and no direction", "",
   CHECK(!invert(A, inverse));
   A(2, 2) = std::numeric_limits<S>::quiet_NaN();
   CHECK(!invert(A, inverse));
+  Mat<S, 2, 2> B = Mat<S, 2, 2>::Ones(), inverse_of_two;
+  CHECK(!invert(B, inverse_of_two));
   CHECK(normalized(zeros<S, 3>()) == zeros<S, 3>());
 }

@@ -371,6 +371,11 @@ TEST_CASE("inertial_estimator: a camera clock that is 15 ms off is corrected") {
   const double found_s = run.estimates.back().time_offset_s;
   CAPTURE(trouble.camera_clock_s, found_s, run.ate(0, 14));
   REQUIRE(std::abs(found_s + trouble.camera_clock_s) < 3e-3);
+  const auto begun = std::find_if(run.estimates.begin(), run.estimates.end(),
+                                  [&](const auto& x) { return x.t_ns == run.init.done_ns; });
+  REQUIRE(begun != run.estimates.end());
+  CAPTURE(1e-9 * double(begun->t_ns) - run.begin_s, begun->time_offset_s, run.init.rejected);
+  REQUIRE(std::abs(begun->time_offset_s + trouble.camera_clock_s) < 6e-3);  // its scale is one of that clock
   REQUIRE(run.part(HealthState::tracking, 10, 14) > 0.9);
   REQUIRE(run.ate(0, 14) < 0.15);
 }

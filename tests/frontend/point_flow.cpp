@@ -116,7 +116,7 @@ TEST_CASE("point_flow: beside an IMU aligned points are worth more") {
   const Life<float, 50>::FrontEnd::Options alone;
   const Life<float, 50, Inertial>::FrontEnd::Options beside;
   REQUIRE(beside.sigma_px < alone.sigma_px);
-  REQUIRE(beside.sigma_intensity < alone.sigma_intensity);
+  REQUIRE(beside.sigma_residual < alone.sigma_residual);
   REQUIRE(beside.sigma_flow_px == alone.sigma_flow_px);
 }
 

@@ -133,6 +133,14 @@ Vec<S, 3> unit_orthogonal(const Vec<S, 3>& a) {
 
 /// By cofactors. False where the determinant is zero or NaN.
 template <class S>
+bool invert(const Mat<S, 2, 2>& A, Mat<S, 2, 2>& inverse) {
+  const S determinant = A(0, 0) * A(1, 1) - A(0, 1) * A(1, 0);
+  if (!(std::abs(determinant) > S(0))) return false;
+  const S factor = S(1) / determinant;
+  inverse << factor * A(1, 1), -factor * A(0, 1), -factor * A(1, 0), factor * A(0, 0);
+  return true;
+}
+template <class S>
 bool invert(const Mat<S, 3, 3>& A, Mat<S, 3, 3>& inverse) {
   const auto cofactor = [&A](int i, int j) {
     const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;

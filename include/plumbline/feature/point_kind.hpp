@@ -28,7 +28,7 @@
 #include "plumbline/residual/world_point.hpp"
 #include "plumbline/sensor/rig.hpp"
 #include "plumbline/solver/robust_loss.hpp"
-#include "plumbline/tracking/reference_patch.hpp"
+#include "plumbline/tracking/surface_slant.hpp"
 
 namespace plumbline {
 
@@ -40,7 +40,7 @@ struct PointKind {
   using Camera = typename Sensors::Camera;
   using Observation = PointObservation<S, Sensors::has_depth, Sensors::rolls>;
   using Place = Vec<float, 2>;  ///< in the image [px]
-  using Appearance = ReferencePatch;
+  using Appearance = PointAppearance;
   static constexpr int dim = 1;  ///< lambda
   static constexpr int rows_per_view = Sensors::has_depth ? 3 : 2, damping_rows = 0;
   static constexpr S lambda_min = S(1e-3), lambda_max = S(20);  ///< inverse range stays in this interval [1/m]

@@ -86,7 +86,7 @@ class DirectPoints {
         const Alignment aligned =
             align(view, window, landmark, inverse_range, T_cam_world, guess, /*coarse_start=*/!landmark.located);
         if (aligned.valid) {
-          observe(view, landmark, aligned);
+          flow_.observe(view, landmark, aligned);
           continue;
         }
         if (!options_.flow_as_well) {
@@ -119,11 +119,7 @@ class DirectPoints {
       ++searches;
       const Alignment aligned =
           align(view, window, landmark, landmark.geometry.inverse_range, T_cam_world, seen, /*coarse_start=*/true);
-      if (aligned.valid) {
-        observe(view, landmark, aligned);
-      } else {
-        flow_.observe(view, landmark, false, seen);
-      }
+      flow_.observe(view, landmark, aligned);
     }
     if (n > 0) first_search_ = (first_search_ + static_cast<std::size_t>(options_.max_searches)) % n;
     search_new(view, window, store, T_cam_world);
@@ -219,28 +215,25 @@ class DirectPoints {
       const S reach = sigmas * depth.sigma();
       const InverseRangeInterval<S> lambda{depth.mu, std::max(depth.mu - reach, least * depth.mu), depth.mu + reach};
       const EpipolarMatch<S> match =
-          search_epipolar_curve(view.camera(), landmark.appearance, landmark.geometry.bearing, lambda,
+          search_epipolar_curve(view.camera(), landmark.appearance.patch, landmark.geometry.bearing, lambda,
                                 T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam), view.current,
                                 seen, options_.epipolar, options_.alignment);
-      if (match.aligned.valid) observe(view, landmark, match.aligned);
+      if (match.aligned.valid) flow_.observe(view, landmark, match.aligned);
     }
   }
 
   Alignment align(const View<Sensors>& view, const auto& window, const Landmark& landmark, S inverse_range,
                   const SE3<S>& T_cam_world, const Vec<float, 2>& guess, bool coarse_start) const {
     const SE3<S> T_cam_anchor = T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam);
+    const auto& [patch, slant] = landmark.appearance;
     const Mat<float, 2, 2> A =
-        affine_warp(view.camera(), view.camera(), landmark.geometry.bearing, S(1) / inverse_range, T_cam_anchor);
+        affine_warp(view.camera(), view.camera(), landmark.geometry.bearing, S(1) / inverse_range, T_cam_anchor)
+            .slanted(slant.a());
     AlignmentOptions alignment = options_.alignment;
     alignment.coarse_start = coarse_start;
-    Alignment aligned = align_patch(landmark.appearance, A, view.current, guess, alignment);
+    Alignment aligned = align_patch(patch, A, view.current, guess, alignment);
     aligned.valid = aligned.valid && (coarse_start || norm(aligned.uv - guess) < options_.max_correction_px);
     return aligned;
-  }
-  void observe(const View<Sensors>& view, Landmark& landmark, const Alignment& aligned) const {
-    flow_.observe(view, landmark, true, aligned.uv);
-    landmark.current.L =
-        whitening_of(aligned.information_per_intensity, float(options_.sigma_px), float(options_.sigma_intensity));
   }
 
   static constexpr int min_located = 10;  ///< that tell how far a new landmark may be

@@ -3,6 +3,7 @@
 /// warped as the estimated motion says, keep them from sliding. Landmarks out of sight stay in the store and are looked
 /// for where the estimated pose puts them.                              docs/math/tracking.md, docs/math/point.md
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -17,19 +18,22 @@
 #include "plumbline/tracking/corner_detector.hpp"
 #include "plumbline/tracking/feature_alignment.hpp"
 #include "plumbline/tracking/optical_flow.hpp"
+#include "plumbline/tracking/surface_slant.hpp"
 
 namespace plumbline {
 
 struct PointFlowOptions {
-  double sigma_px = 0.35;       ///< of an aligned observation with all the texture one could wish
-  double sigma_intensity = 15;  ///< of a pixel, correlated errors of a whole patch included
-  double sigma_flow_px = 1.0;   ///< of a frame-to-frame observation
-  int target_count = 180;       ///< corners are detected until this many landmarks are in sight
-  int max_searches = 200;       ///< landmarks out of track that one frame looks for
-  int min_views = 1;            ///< besides the anchor, that agree on where a point without depth is
-  float max_drift_px = 2.0f;    ///< flow and alignment with the anchor may differ by this much
+  double sigma_px = 0.2;  ///< of an aligned observation with all the texture one could wish
+  /// Of a pixel, in root mean squares of what the alignment left of its patch: these errors are correlated.
+  double sigma_residual = 4;
+  double sigma_flow_px = 1.0;  ///< of a frame-to-frame observation
+  int target_count = 180;      ///< corners are detected until this many landmarks are in sight
+  int max_searches = 200;      ///< landmarks out of track that one frame looks for
+  int min_views = 1;           ///< besides the anchor, that agree on where a point without depth is
+  float max_drift_px = 2.0f;   ///< flow and alignment with the anchor may differ by this much
   OpticalFlowOptions flow;
   AlignmentOptions alignment;
+  SlantOptions slant;
   CornerOptions corners;
   TriangulationOptions triangulation;
 };
@@ -41,8 +45,8 @@ template <SensorRig Sensors>
 struct PointOptionsOf : PointFlowOptions {
   constexpr PointOptionsOf() {
     if constexpr (Sensors::has_imu) {
-      sigma_px /= 2;
-      sigma_intensity /= 2;
+      sigma_px = 0.1;
+      sigma_residual = 3;
       if constexpr (Sensors::has_depth) min_views = 3;
     }
   }
@@ -108,20 +112,18 @@ class PointFlow {
       if (!inside(view, seen, border_px)) continue;
       if (!tracked) ++searches;
       const auto& point = landmark.geometry;
+      const auto& [patch, slant] = landmark.appearance;
       const Mat<float, 2, 2> A =
-          affine_warp(view.camera(), view.camera(), point.bearing, S(1) / point.inverse_range, T_cam_anchor);
+          affine_warp(view.camera(), view.camera(), point.bearing, S(1) / point.inverse_range, T_cam_anchor)
+              .slanted(slant.a());
       const Vec<float, 2> start = tracked ? landmark.current.pixel : seen.template cast<float>();
       AlignmentOptions alignment = options_.alignment;
       alignment.coarse_start = !tracked;
-      const Alignment aligned = align_patch(landmark.appearance, A, view.current, start, alignment);
+      const Alignment aligned = align_patch(patch, A, view.current, start, alignment);
       if (tracked) {
         if (!aligned.valid || !(norm(aligned.uv - start) < options_.max_drift_px)) continue;
       }
-      observe(view, landmark, aligned.valid, aligned.uv);
-      if (aligned.valid) {
-        landmark.current.L =
-            whitening_of(aligned.information_per_intensity, float(options_.sigma_px), float(options_.sigma_intensity));
-      }
+      observe(view, landmark, aligned);
     }
     if (n > 0) first_search_ = (first_search_ + static_cast<std::size_t>(options_.max_searches)) % n;
   }
@@ -150,7 +152,8 @@ class PointFlow {
     }
   }
 
-  /// New landmarks from corners, beside those in sight; and those without depth so far, by the keyframe's.
+  /// New landmarks from corners, beside those in sight; and those without depth so far, by the keyframe's. Of what is
+  /// in sight the keyframe shows how its surface slants.
   void detect(const View<Sensors>& view, const auto& window, Store& store, int slot) {
     const SE3<S> T_world_cam = window.T_world_body(slot) * view.T_body_cam, T_cam_world = T_world_cam.inverse();
     for (Landmark& landmark : store.landmarks()) {
@@ -159,6 +162,7 @@ class PointFlow {
       if (!ray.valid) continue;
       locate_from_depth(landmark, ray.bearing, T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam));
     }
+    learn_slants(view, window, store, T_cam_world);
     in_sight_.clear();
     for (const Landmark& landmark : store.landmarks()) {
       if (landmark.current.valid) in_sight_.push_back(landmark.current.pixel);
@@ -171,7 +175,7 @@ class PointFlow {
       Landmark landmark;
       observe(view, landmark, true, corner.uv);
       const Unprojection<S> ray = view.camera().unproject(landmark.current.uv.template cast<S>());
-      if (!ray.valid || !landmark.appearance.capture(view.current, corner.uv)) continue;
+      if (!ray.valid || !landmark.appearance.patch.capture(view.current, corner.uv)) continue;
       auto& point = landmark.geometry;
       point.bearing = ray.bearing;
       point.slope.set(view.shutter.bearing_slope(corner.uv.template cast<S>(), ray.bearing, S(0)));
@@ -214,6 +218,14 @@ class PointFlow {
     return inside(view, seen, 0) ? Vec<float, 2>(seen.template cast<float>()) : landmark.current.pixel;
   }
 
+  /// The current image shows the landmark where its pixels in the anchor were found, or does not.
+  void observe(const View<Sensors>& view, Landmark& landmark, const Alignment& aligned) const {
+    observe(view, landmark, aligned.valid, aligned.uv);
+    constexpr float least_rms = 0.25f;  // of intensities that are whole numbers
+    const float sigma_intensity = float(options_.sigma_residual) * std::max(aligned.rms, least_rms);
+    if (aligned.valid)
+      landmark.current.L = whitening_of(aligned.information_per_intensity, float(options_.sigma_px), sigma_intensity);
+  }
   /// The current image shows the landmark at `pixel`, or does not.
   void observe(const View<Sensors>& view, Landmark& landmark, bool valid, const Vec<float, 2>& pixel) const {
     typename Kind::Observation& seen = landmark.current;
@@ -241,6 +253,18 @@ class PointFlow {
   }
   static Vec<S, 3> p_world(const Landmark& landmark, const auto& window, const SE3<S>& T_body_cam) {
     return window.T_world_body(landmark.anchor) * (T_body_cam * Kind::middle(landmark.geometry));
+  }
+
+  void learn_slants(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_cam_world) const {
+    const float f = float(effective_focal_length(view.camera()));
+    for (Landmark& landmark : store.landmarks()) {
+      if (!landmark.current.valid || !landmark.located) continue;
+      const AffineWarp warp =
+          affine_warp(view.camera(), view.camera(), landmark.geometry.bearing, S(1) / landmark.geometry.inverse_range,
+                      T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam));
+      auto& [patch, slant] = landmark.appearance;
+      slant.learn(slant_equations(patch, warp, slant.a(), view.current, landmark.current.pixel), f, options_.slant);
+    }
   }
 
   using Views = FixedVector<TriangulationView<S>, static_cast<std::size_t>(Store::slots) + 1>;

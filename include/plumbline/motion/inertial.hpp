@@ -68,6 +68,10 @@ class Inertial {
     imu_.set_camera_time_offset(clock_.offset_s());
     return clock_.offset_s();
   }
+  /// The camera's clock goes as the window has found out, whether frames are tied or not.
+  void believe_clock_of(const auto& window) {
+    clock_.calibrate(camera_imu_, window, /*in_window=*/true, options_.camera_imu.max_correction_s);
+  }
   void begin_frame(TimeNs t_ns, const State* latest, S dt) {
     if (latest) {
       imu_.integrate(t_ns, *latest);

@@ -111,6 +111,11 @@ class InertialStart {
     return found.believes_clock(options_.max_time_sigma_s) || since_first_view_s > options_.max_time_wait_s;
   }
 
+  /// Whether poses and readings were aligned by the clock that was found then: else scale and biases are of another.
+  bool was_in_time(double time_offset_s) const {
+    return std::abs(time_offset_s - time_offset_s_) < options_.max_time_error_s;
+  }
+
   /// Whether there is an alignment, if a rough one.
   bool has_estimate() const { return has_estimate_; }
   double scale_sigma() const { return found_.scale_sigma; }      ///< relative

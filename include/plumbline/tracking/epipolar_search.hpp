@@ -106,7 +106,7 @@ EpipolarMatch<S> search_epipolar_curve(const Camera& camera, const ReferencePatc
   const Vec<S, 3> Rb = T_cur_ref.rotation() * bearing_ref;
   const auto project = [&](S at) { return camera.project(Vec<S, 3>(Rb + at * T_cur_ref.p())); };
   const auto px_per_lambda = [&](const Projection<S>& at) { return norm(product(at.J_uv_p, T_cur_ref.p())); };  // (15)
-  const auto warp = [&](S at) { return affine_warp(camera, camera, bearing_ref, S(1) / at, T_cur_ref); };
+  const auto warp = [&](S at) { return affine_warp(camera, camera, bearing_ref, S(1) / at, T_cur_ref).A_cur_ref; };
 
   const Projection<S> middle = project(lambda.expected);
   if (!(lambda.expected > S(0)) || !middle.valid) return out;

@@ -1,8 +1,9 @@
 #pragma once
 /// Alignment of a landmark's reference patch in the current image under a known affine warp.  docs/math/tracking.md
 ///
-///   dX_r/du_r = range (I - b n^T / (n . b)) J_b                  surface through X_r = range b with normal n   (6)
-///   A_cr      = du_c/du_r = J_pi,c R_c_r dX_r/du_r                                                             (7)
+///   lambda(u_r + d) = lambda (1 + a^T d)                   inverse range of the surface around the feature     (6)
+///   A_cr(a) = du_c/du_r = J_pi,c R_c_r range (J_b - b a^T)                                                     (7)
+///           = A_cr - e a^T,  e = J_pi,c R_c_r range b                                                          (7a)
 ///   l         = smallest level with det(A_cr) / 4^l <= 3;  rejected: det <= 0.05, det > 25, cond(A_cr) > 8     (8)
 ///   T_j       = I_r(u_r + A_cr^-1 D_j 2^l),  D_j in pixels of the search level l                               (9)
 ///   n_c       = A_cr^-T n_r / |.|                                an edge normal is a covector                 (10)
@@ -42,36 +43,33 @@ struct Alignment {
   Mat<float, 2, 2> information_per_intensity;
 };
 
-/// A_cur_ref of (7); the zero matrix, which `search_level` rejects, where it is not defined.
-/// bearing_ref: unit bearing of the feature in the reference camera; range: |X_r| [m]; n_ref: surface normal in the
-/// reference camera, any sign and length. T_cur_ref maps reference camera coordinates into the current camera.
+/// Of a surface around a feature: how its pixels move from one image to another.
+struct AffineWarp {
+  Mat<float, 2, 2> A_cur_ref;  ///< (7) where all of it is equally far; the zero matrix where it is not defined
+  Vec<float, 2> by_slant;      ///< e of (7a) [px]
+
+  /// With the inverse range of (6).
+  Mat<float, 2, 2> slanted(const Vec<float, 2>& a) const { return A_cur_ref - by_slant * a.transpose(); }
+};
+
+/// bearing_ref: unit bearing of the feature in the reference camera; range: |X_r| [m]. T_cur_ref maps reference camera
+/// coordinates into the current camera. A_cur_ref that is not defined is rejected by `search_level`.
 template <CameraModel Camera>
-Mat<float, 2, 2> affine_warp(const Camera& camera_ref, const Camera& camera_cur,
-                             const Vec<typename Camera::Scalar, 3>& bearing_ref, typename Camera::Scalar range,
-                             const SE3<typename Camera::Scalar>& T_cur_ref,
-                             const Vec<typename Camera::Scalar, 3>& n_ref) {
+AffineWarp affine_warp(const Camera& camera_ref, const Camera& camera_cur,
+                       const Vec<typename Camera::Scalar, 3>& bearing_ref, typename Camera::Scalar range,
+                       const SE3<typename Camera::Scalar>& T_cur_ref) {
   using S = typename Camera::Scalar;
+  AffineWarp out{zeros<float, 2, 2>(), zeros<float, 2>()};
   const Projection<S> reference = camera_ref.project(bearing_ref);
   const Projection<S> current = camera_cur.project(T_cur_ref * Vec<S, 3>(range * bearing_ref));
-  const S n_dot_b = dot(n_ref, bearing_ref);
-  if (!reference.valid || !current.valid || n_dot_b == S(0)) return zeros<float, 2, 2>();
+  if (!reference.valid || !current.valid) return out;
   const Mat<S, 3, 2> J_b_uv = bearing_jacobian(reference.J_uv_p);
-  Mat<float, 2, 2> A_cur_ref;
-  for (int k = 0; k < 2; ++k) {
-    const Vec<S, 3> db = block<3, 1>(J_b_uv, 0, k);
-    const Vec<S, 3> dp = range * (db - (dot(n_ref, db) / n_dot_b) * bearing_ref);            // (6)
-    const Vec<S, 2> column = product(current.J_uv_p, Vec<S, 3>(T_cur_ref.rotation() * dp));  // (7)
-    for (int i = 0; i < 2; ++i) A_cur_ref(i, k) = float(column[i]);
-  }
-  return A_cur_ref;
-}
-
-/// The same for an unknown normal: a surface of constant range, n = b.
-template <CameraModel Camera>
-Mat<float, 2, 2> affine_warp(const Camera& camera_ref, const Camera& camera_cur,
-                             const Vec<typename Camera::Scalar, 3>& bearing_ref, typename Camera::Scalar range,
-                             const SE3<typename Camera::Scalar>& T_cur_ref) {
-  return affine_warp(camera_ref, camera_cur, bearing_ref, range, T_cur_ref, bearing_ref);
+  const auto moved = [&](const Vec<S, 3>& db) {
+    return cast_to<float>(product(current.J_uv_p, Vec<S, 3>(T_cur_ref.rotation() * Vec<S, 3>(range * db))));
+  };
+  for (int k = 0; k < 2; ++k) set_block(out.A_cur_ref, 0, k, moved(block<3, 1>(J_b_uv, 0, k)));
+  out.by_slant = moved(bearing_ref);
+  return out;
 }
 
 /// The search level of (8), at most `max_level`; -1 when the warp is rejected (NaN too).
