@@ -112,8 +112,11 @@ class InertialStart {
   }
 
   /// Whether poses and readings were aligned by the clock that was found then: else scale and biases are of another.
-  bool was_in_time(double time_offset_s) const {
-    return std::abs(time_offset_s - time_offset_s_) < options_.max_time_error_s;
+  /// Where one comes out otherwise each time the motion does not show it, and the third is as good as any.
+  bool was_in_time(double time_offset_s) {
+    const bool in_time = std::abs(time_offset_s - time_offset_s_) < options_.max_time_error_s;
+    clock_turns_ = in_time || clock_turns_ == max_clock_turns ? 0 : clock_turns_ + 1;
+    return clock_turns_ == 0;
   }
 
   /// Whether there is an alignment, if a rough one.
@@ -157,6 +160,7 @@ class InertialStart {
   }
 
  private:
+  static constexpr int max_clock_turns = 2;
   using Alignment = typename AlignmentWindow<S>::Outcome;
   bool is_of_use(const Alignment& found) const {
     return found || (found.is_rough() && found.scale_sigma < options_.max_rough_scale_sigma);
@@ -176,6 +180,7 @@ class InertialStart {
   TimeNs t_ns_ = 0, tried_ns_ = 0;                          ///< of the latest pose, and of that when it was last tried
   double contradicted_s_ = 0;                               ///< since poses and readings last agreed
   double time_offset_s_ = 0;                                ///< as it is known now
+  int clock_turns_ = 0;                                     ///< in a row, after what was solved by another clock
   double series_time_offset_s_ = 0, series_readout_s_ = 0;  ///< as they were when the poses began that are not rough
   Vec<S, 3> gravity_ref_ = zeros<S, 3>();
 };
