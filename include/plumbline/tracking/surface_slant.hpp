@@ -55,7 +55,7 @@ SlantEquations slant_equations(const ReferencePatch& reference, const AffineWarp
   Mat<float, 2, 2> A_inverse;
   if (!invert(A, A_inverse)) return out;
 
-  enum : int { template_, gradient_x, gradient_y, slant_x, slant_y, image, columns };
+  enum : int { warped, gradient_x, gradient_y, slant_x, slant_y, image, columns };
   std::array<Patch<PatchSize>, columns> column;
   interpolate_patch<PatchSize>(current.level(level), at, column[image]);
   for (int y = 0, k = 0; y < PatchSize; ++y) {
@@ -66,7 +66,7 @@ SlantEquations slant_equations(const ReferencePatch& reference, const AffineWarp
       constexpr float middle = 0.5f * (PatchSize - 1);
       const Vec<float, 2> D(static_cast<float>(x) - middle, static_cast<float>(y) - middle);
       const Vec<float, 2> S = (scale * dot(gradient, e)) * (A_inverse * D);
-      column[template_][k] = row[x];
+      column[warped][k] = row[x];
       column[gradient_x][k] = gradient.x();
       column[gradient_y][k] = gradient.y();
       column[slant_x][k] = S.x();
@@ -81,7 +81,7 @@ SlantEquations slant_equations(const ReferencePatch& reference, const AffineWarp
   for (int i = 0; i < columns; ++i) {
     for (int k = 0; k <= i; ++k) G(i, k) = G(k, i) = sum_of_products(column[i], column[k]);
   }
-  const float gain = G(template_, image) / G(template_, template_);
+  const float gain = G(warped, image) / G(warped, warped);
   for (int pivot = 0; pivot < slant_x; ++pivot) {
     constexpr float least = n;  // what quantization alone amounts to [intensity^2]
     if (!(G(pivot, pivot) > least)) return out;
