@@ -92,12 +92,25 @@ TEMPLATE_TEST_CASE("dead_reckoning: readings that do not tell", "", float, doubl
 TEST_CASE("dead_reckoning: a place far from where it leads is excluded while it leads") {
   Body<double> body;
   body.advance(1);
-  const Vec<double, 3> away(1, 0, 0), there = body.p();
-  CHECK(body.reckoning.excludes(there + away, 0.1));
-  CHECK_FALSE(body.reckoning.excludes(there + away, 0.5));
-  CHECK(body.reckoning.excludes(Vec<double, 3>(std::nan(""), 0, 0), 0.5));
+  const Vec<double, 3> away(0.5, 0, 0), there = body.p();
+  CHECK(body.reckoning.outweighs(there + away, 0.1));
+  CHECK_FALSE(body.reckoning.outweighs(there + away, 0.19));
+  CHECK(body.reckoning.outweighs(Vec<double, 3>(std::nan(""), 0, 0), 0.19));
   body.advance(4);
-  CHECK_FALSE(body.reckoning.excludes(there + 10 * away, 0.1));
+  CHECK_FALSE(body.reckoning.outweighs(there + 20 * away, 0.1));
+}
+
+TEST_CASE("dead_reckoning: a place that is known worse than where it leads says nothing, before and after it is lost") {
+  const DeadReckoning<double> nothing;
+  CHECK_FALSE(nothing.outweighs({1, 0, 0}, 100));
+  Body<double> body;
+  for (const double s : {1.0, 4.0}) {
+    body.advance(s);
+    CAPTURE(s, body.reckoning.is_lost(), body.sigma(3));
+    CHECK_FALSE(body.reckoning.outweighs(body.p(), 1.9 * body.sigma(3)));
+    CHECK(body.reckoning.outweighs(body.p(), 2.1 * body.sigma(3)));
+    CHECK(body.reckoning.outweighs(body.p(), std::nan("")));
+  }
 }
 
 TEST_CASE("dead_reckoning: nothing before it has begun, and a loss that was counted by others") {

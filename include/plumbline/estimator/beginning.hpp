@@ -304,7 +304,7 @@ class Beginning {
     const auto& motion = odometry.options.motion;
     const double scale_sigma = start_.scale_sigma(), travelled = double(norm(x.T_world_body.p() - T_world_start_.p()));
     const double place_sigma = scale_sigma * travelled + motion.rest_position_sigma;
-    if (reckoning_.excludes(x.T_world_body.p(), S(place_sigma))) return;
+    if (reckoning_.outweighs(x.T_world_body.p(), S(place_sigma))) return;
     publish(odometry, x, start_.gravity_sigma(), place_sigma);
     odometry.set_health(HealthState::degraded, HealthReason::scale_uncertain);
     if (stood_ && !reckoning_.is_lost()) return;  // a map may yet be found wrong, a rest is none

@@ -25,7 +25,8 @@
 
 namespace plumbline {
 
-struct DirectPointOptions : PointFlowOptions {
+template <SensorRig Sensors>
+struct DirectPointOptions : PointOptionsOf<Sensors> {
   float max_correction_px = 4;    ///< from where the aligned pose sees a landmark
   bool flow_as_well = true;       ///< where the anchor's pixels are not found
   bool filter_depth = true;       ///< of new landmarks; else by the two views that have enough parallax
@@ -41,7 +42,7 @@ class DirectPoints {
   using Sensors = typename Kind::Sensors;
   using S = typename Kind::Scalar;
   using Landmark = typename Store::Landmark;
-  using Options = DirectPointOptions;
+  using Options = DirectPointOptions<Sensors>;
   static constexpr bool votes = true;
   static constexpr bool relates_two_views = true;
   static constexpr int max_alignment_samples = Store::capacity;

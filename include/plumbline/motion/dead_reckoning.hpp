@@ -69,10 +69,11 @@ class DeadReckoning {
     return counts;
   }
 
-  /// Whether the body cannot be at p, if that is known with a sigma [m].
-  bool excludes(const Vec<S, 3>& p, S sigma) const {
-    const S most = S(3) * std::hypot(sigma, std::sqrt(P_(3, 3)));
-    return begun_ && !lost_ && !(norm(Vec<S, 3>(p - x_.T_world_body.p())) <= most);
+  /// Whether a body that is said to be at p, with a sigma [m], cannot be there, or nothing is known so badly here.
+  bool outweighs(const Vec<S, 3>& p, S sigma) const {
+    const S known = std::sqrt(P_(3, 3)), most = S(3) * std::hypot(sigma, known);
+    const bool excludes = !lost_ && !(norm(Vec<S, 3>(p - x_.T_world_body.p())) <= most);
+    return begun_ && (excludes || !(sigma <= S(2) * known));
   }
 
   bool has_begun() const { return begun_; }
