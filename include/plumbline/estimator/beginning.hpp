@@ -9,10 +9,9 @@
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
 #include "plumbline/estimator/estimate.hpp"
+#include "plumbline/estimator/reckoned_place.hpp"
 #include "plumbline/feature/view.hpp"
-#include "plumbline/imu/gravity.hpp"
 #include "plumbline/lie/se3.hpp"
-#include "plumbline/motion/dead_reckoning.hpp"
 #include "plumbline/solver/levenberg_marquardt.hpp"
 #include "plumbline/start/settling.hpp"
 #include "plumbline/start/start_report.hpp"
@@ -28,14 +27,7 @@ class Beginning {
   using S = typename Odometry::S;
   using State = typename Odometry::State;
 
-  explicit Beginning(const typename Odometry::Options& options) : start_(options.start) {
-    if constexpr (!is_complete) {
-      const auto& lost = options.recovery;
-      reckoning_ = Reckoning({.max_s = lost.max_coasting_s,
-                              .velocity_walk = options.motion.velocity_sigma,
-                              .lost_speed = lost.lost_speed,
-                              .lost_rate = lost.lost_rate});
-    }
+  explicit Beginning(const typename Odometry::Options& options) : start_(options.start), place_(options) {
     if constexpr (settles) settling_ = Settling(options.start.settling);
   }
 
@@ -68,34 +60,21 @@ class Beginning {
   int patience(int max_lost_frames) const { return is_complete ? max_lost_frames : 0; }
 
   /// Until there are poses that are tied together the readings alone lead on from the last one that was published.
-  void reckon(Odometry& odometry, const View<Sensors>& view) {
-    if constexpr (!is_complete) {
-      if (odometry.motion.is_metric()) return;
-      const auto& imu = odometry.motion.imu();
-      const Vec<S, 3> g = gravity_in_world<S>(S(odometry.options.motion.gravity));
-      reckoning_.advance(imu.since_frame().increment(), g, view.dt, imu.blind(), imu.missing());
-    }
-  }
+  void reckon(const Odometry& odometry, const View<Sensors>& view) { place_.advance(odometry, view); }
   /// All begins anew: of the body no more is known than what is published, and not how fast it moves.
   void lose_place(Odometry& odometry) {
-    const Estimate<S>& estimate = odometry.estimate;
-    if constexpr (is_complete) {
-      odometry.origin.set(estimate.T_world_body, estimate.covariance);
-    } else {
+    if constexpr (settles) {
       if (is_refuted()) {
         ++report_.rejected;
-        forget_way(odometry);
+        place_.forget_way(odometry, first_view_ns_, start_.options().gyro_bias_sigma);
       }
-      reckon_from(odometry, odometry.window().latest(), 0);
-      reckoning_.lose();
     }
+    place_.lose(odometry);
   }
 
   /// The first keyframe of all, or of what begins anew where the body is thought to be.
   void take_first_view(Odometry& odometry, const View<Sensors>& view) {
-    if constexpr (!is_complete) {
-      if (reckoning_.is_lost() || !odometry.motion.at_rest()) begin_where_it_is(odometry);
-    }
+    place_.begin_anew(odometry);
     stage_ = Stage::blind;
     report_ = {.rejected = report_.rejected};
     const int slot = odometry.begin_anew(view, odometry.motion.restart(odometry.window().latest()));
@@ -197,7 +176,7 @@ class Beginning {
         return start_.is_contradicted() ? give_up(odometry, view) : publish_rough(odometry);
       const State before = odometry.window().latest();
       odometry.landmarks.for_each([&](auto& store) { store.rescale(start_.scale()); });
-      begin_window(odometry, [&](int slot) { return state_of(window.T_world_body(slot), T_body_cam); });
+      begin_window(odometry, [&](int slot) { return place_.state_of(start_, window.T_world_body(slot), T_body_cam); });
       const double length = length_of(window);
       solve(odometry, length);
       // Once more: what is believed from now on was linearized where that ended, not at what the alignment had guessed.
@@ -210,14 +189,8 @@ class Beginning {
         odometry.window().set_latest(before);
         return give_up(odometry, view);
       }
-      begun_ = x;
       odometry.motion.become_metric();
-      if constexpr (Start::needs_second_view) {
-        // On the way here scale and vertical were what they were taken for; the heading's axis is tilted, say half way.
-        const SE3<S>& T = odometry.window().T_world_body(odometry.window().oldest());
-        const double travelled = double(norm(T.p() - T_world_start_.p()));
-        odometry.origin.doubt(T, S(start_.scale_sigma() * travelled), S(0.5 * start_.gravity_sigma()));
-      }
+      place_.become_metric(odometry, start_);
       finish(view);
       odometry.become_metric(view);
     }
@@ -230,32 +203,10 @@ class Beginning {
   /// Whether its scale is one that images and readings find together.
   static constexpr bool settles = !is_complete && Start::needs_second_view;
 
-  /// What a wrong map made of the way since the first view, and of the biases, says nothing: the body may be anywhere,
-  /// its heading is that of the gyroscope.
-  void forget_way(Odometry& odometry) const {
-    State x = odometry.window().latest();
-    x.bias_gyro = begun_.bias_gyro;
-    x.bias_accel = begun_.bias_accel;
-    odometry.window().set_latest(x);
-    Estimate<S>& estimate = odometry.estimate;
-    const double s = seconds_between(first_view_ns_, estimate.t_ns);
-    const double travelled = double(norm(estimate.T_world_body.p() - T_world_start_.p()));
-    const S place_sigma = S(std::hypot(travelled, odometry.options.recovery.lost_speed * s));
-    const S heading_sigma = S(start_.options().gyro_bias_sigma * s);
-    for (int k = 0; k < 3; ++k) {
-      estimate.covariance(k, k) += heading_sigma * heading_sigma;
-      estimate.covariance(3 + k, 3 + k) += place_sigma * place_sigma;
-    }
-  }
-
   void wait(Odometry& odometry, HealthReason reason, InitStage stage) {
     report_.stage = stage;
     odometry.set_health(odometry.estimate.resets > 0 ? HealthState::lost : HealthState::initializing, reason);
-    if constexpr (!is_complete) {
-      if (!reckoning_.has_begun()) return;
-      show(odometry, reckoning_.state());
-      odometry.estimate.covariance = reckoning_.covariance();
-    }
+    place_.publish(odometry);
   }
   /// What was gathered does not fit together.
   void give_up(Odometry& odometry, const View<Sensors>& view) {
@@ -269,23 +220,6 @@ class Beginning {
     if constexpr (settles) settling_.begin();
   }
 
-  /// What vision has at T_ref_turned, in the world that is published.
-  State state_of(const SE3<S>& T_ref_turned, const SE3<S>& T_body_cam) const {
-    State x = start_.state_of(T_ref_turned, T_body_cam);
-    x.T_world_body = T_world_start_ * x.T_world_body;
-    return x;
-  }
-
-  /// What is seen from now on is at the place and heading to which the readings have led, and knows no more of them.
-  void begin_where_it_is(Odometry& odometry) {
-    if (!reckoning_.has_begun()) return;
-    const SE3<S>& T = reckoning_.state().T_world_body;
-    const Vec<S, 3> g = T.rotation().inverse() * gravity_in_world<S>(S(odometry.options.motion.gravity));
-    T_world_start_ = SE3<S>(T.rotation() * upright<S>(g).inverse(), T.p());
-    odometry.origin.set(T, place_and_heading(reckoning_.covariance(), T.rotation()));
-    odometry.estimate.resets += reckoning_.count_loss();
-  }
-
   void begin_series(Odometry& odometry, const View<Sensors>& view) {
     odometry.good_ns = view.t_ns;
     if constexpr (!is_complete) {
@@ -295,42 +229,9 @@ class Beginning {
     }
   }
 
-  /// Before the scale is certain: the pose in the metres that are known so far, if any are.
   void publish_rough(Odometry& odometry) {
     wait(odometry, HealthReason::aligning, InitStage::aligning);
-    if (!start_.has_estimate()) return;
-    State x = state_of(odometry.window().latest().T_world_body, odometry.rig_state.T_body_cam());
-    x.v_world_body = T_world_start_.rotation() * start_.latest_velocity();
-    const auto& motion = odometry.options.motion;
-    const double scale_sigma = start_.scale_sigma(), travelled = double(norm(x.T_world_body.p() - T_world_start_.p()));
-    const double place_sigma = scale_sigma * travelled + motion.rest_position_sigma;
-    if (reckoning_.outweighs(x.T_world_body.p(), S(place_sigma))) return;
-    publish(odometry, x, start_.gravity_sigma(), place_sigma);
-    odometry.set_health(HealthState::degraded, HealthReason::scale_uncertain);
-    if (stood_ && !reckoning_.is_lost()) return;  // a map may yet be found wrong, a rest is none
-    stood_ = false;
-    reckon_from(odometry, x, scale_sigma * double(norm(x.v_world_body)) + motion.velocity_sigma);
-  }
-  /// A state whose vertical [rad] and place [m] are known that well.
-  static void publish(Odometry& odometry, const State& x, double tilt_sigma, double place_sigma) {
-    show(odometry, x);
-    typename Odometry::Covariance P = zeros<typename Odometry::Covariance>();
-    for (int k = 0; k < 3; ++k) {
-      P(k, k) = S(tilt_sigma * tilt_sigma);
-      P(3 + k, 3 + k) = S(place_sigma * place_sigma);
-    }
-    odometry.publish(P);
-  }
-  /// From what is published; velocity_sigma [m/s].
-  void reckon_from(const Odometry& odometry, const State& x, double velocity_sigma) {
-    reckoning_.begin(x, odometry.estimate.covariance, S(velocity_sigma));
-  }
-  static void show(Odometry& odometry, const State& x) {
-    Estimate<S>& estimate = odometry.estimate;
-    estimate.T_world_body = x.T_world_body;
-    estimate.v_world_body = x.v_world_body;
-    estimate.bias_gyro = x.bias_gyro;
-    estimate.bias_accel = x.bias_accel;
+    if (start_.has_estimate()) place_.publish_rough(odometry, start_);
   }
   /// The frames' links hold from now on, nothing is known but what the alignment knew of the biases.
   void begin_window(Odometry& odometry, auto&& state_of) {
@@ -382,38 +283,21 @@ class Beginning {
       return seconds_between(stopped_ns_, t_ns) > options.rest_check_s && odometry.motion.may_rest(t_ns);
     }
   }
-  /// Standing still before the start: all is known but the scale of what is seen. The world is the one that the window
-  /// will have, see InertialStart.
   void rest(Odometry& odometry) {
-    if constexpr (!is_complete) {
-      State known = odometry.motion.state_at_rest(), x = odometry.window().latest();
-      x.bias_gyro = known.bias_gyro;
-      x.bias_accel = known.bias_accel;
-      odometry.window().set_latest(x);
-      known.T_world_body = T_world_start_ * known.T_world_body;
-      const auto& motion = odometry.options.motion;
-      publish(odometry, known, start_.options().accel_bias_sigma / motion.gravity, motion.rest_position_sigma);
-      stood_ = true;
-      reckon_from(odometry, known, motion.velocity_sigma);  // that it leaves is seen when it has some speed already
-      odometry.set_health(HealthState::degraded, HealthReason::aligning);
-    }
+    if constexpr (!is_complete) place_.publish_rest(odometry, start_.options().accel_bias_sigma);
   }
 
-  template <int>
   struct Nothing {};
-  using Reckoning = std::conditional_t<is_complete, Nothing<0>, DeadReckoning<S>>;
-  using ScaleSettling = std::conditional_t<settles, Settling, Nothing<1>>;
+  using Place = std::conditional_t<is_complete, HeldPlace<Odometry, Start>, ReckonedPlace<Odometry, Start>>;
+  using ScaleSettling = std::conditional_t<settles, Settling, Nothing>;
 
   Start start_;
-  SE3<S> T_world_start_;  ///< with an IMU: where all began anew, upright
-  [[no_unique_address]] Reckoning reckoning_;
+  [[no_unique_address]] Place place_;
   [[no_unique_address]] ScaleSettling settling_;
-  bool stood_ = false;  ///< it leads on from a rest
   Stage stage_ = Stage::nothing;
   TimeNs first_view_ns_ = 0;
   TimeNs stopped_ns_ = 0;  ///< since then what is seen
   double stopped_px_ = 0;  ///< has been that far from the first view
-  State begun_;            ///< with which it became metric
   InitReport report_;
 };
 
