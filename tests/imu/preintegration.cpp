@@ -1,5 +1,6 @@
 #include "plumbline/imu/preintegration.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -76,6 +77,34 @@ TEMPLATE_TEST_CASE("preintegration: when full, twice the step and the same motio
     REQUIRE((small.increment().delta.dp - large.increment().delta.dp).norm() < S(5e-2));
     const double sigma_ratio = double(small.increment().covariance(6, 6)) / double(large.increment().covariance(6, 6));
     REQUIRE(sigma_ratio == Approx(1).epsilon(0.1));
+  }
+}
+
+// The oldest readings must not be merged each time that there is no more room: they would become one step of seconds.
+TEMPLATE_TEST_CASE("preintegration: steps of a long one are all alike", "", float, double) {
+  using S = TestType;
+  testing::Gaussian normal(5);
+  for (int i = 0; i < 10; ++i) {
+    const test::RandomMotion motion(normal);
+    for (const int seconds : {2, 3, 5}) {
+      Preintegration<S, 128> small = preintegrated<S, 128>(motion, 0, seconds * one_second);
+      const ImuIncrement<S> exact = small.increment();
+      S shortest = S(1), longest = S(0), duration = S(0);
+      for (const ImuInterval<S>& interval : small.intervals()) {
+        duration += interval.dt;
+        longest = std::max(longest, interval.dt);
+        if (&interval != &small.intervals().back()) shortest = std::min(shortest, interval.dt);
+      }
+      CAPTURE(seconds, small.intervals().size(), shortest, longest);
+      REQUIRE(double(duration) == Approx(seconds).epsilon(1e-4));
+      REQUIRE(longest < S(1.1) * shortest);
+      REQUIRE(double(longest) < 2.1 * seconds / 128);
+      small.reintegrate(Vec<S, 3>::Zero(), Vec<S, 3>::Zero());
+      // In steps of up to 40 ms, of 8 m/s^2 at 3 Hz.
+      REQUIRE(minus(small.increment().delta.dR, exact.delta.dR).norm() < S(1e-4));
+      REQUIRE((small.increment().delta.dv - exact.delta.dv).norm() < S(5e-2));
+      REQUIRE((small.increment().delta.dp - exact.delta.dp).norm() < S(0.15));
+    }
   }
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 /// An increment that can be integrated again about other biases: it keeps its readings.         docs/math/imu.md
 ///
-/// Room is bounded. When it is full, neighbouring intervals are merged two by two (interval.hpp (2)): the increment
-/// stays as it is, and a later re-integration takes steps twice as long. 128 intervals are 0.64 s at 200 Hz,
-/// then 1.28 s in steps of 10 ms, and so on.
+/// Room is bounded. When it is full, neighbouring intervals are merged two by two (interval.hpp (2)), and so is what
+/// comes after until it is as long: the increment stays as it is, and a later re-integration takes steps twice as long,
+/// all of them alike. 128 intervals are 0.64 s at 200 Hz, then 1.28 s in steps of 10 ms, and so on.
 
 #include <concepts>
 #include <cstddef>
@@ -34,6 +34,10 @@ class Preintegration {
   bool add(const ImuInterval<S>& interval) {
     if (!(interval.dt > S(0))) return false;
     increment_.integrate(interval, noise_);
+    if (!intervals_.empty() && intervals_.back().dt + interval.dt <= step_s_) {
+      intervals_.back() = merged(intervals_.back(), interval);
+      return true;
+    }
     if (intervals_.full()) merge_pairs();
     return intervals_.push_back(interval);
   }
@@ -73,11 +77,15 @@ class Preintegration {
   void merge_pairs() {
     for (std::size_t i = 0; i < Capacity / 2; ++i) intervals_[i] = merged(intervals_[2 * i], intervals_[2 * i + 1]);
     intervals_.resize(Capacity / 2);
+    S duration = S(0);
+    for (const ImuInterval<S>& interval : intervals_) duration += interval.dt;
+    step_s_ = S(1.001) * duration / S(Capacity / 2);
   }
 
   ImuNoise noise_;
   ImuIncrement<S> increment_;
   Intervals intervals_;
+  S step_s_ = S(0);  ///< shorter ones are merged [s]
 };
 
 }  // namespace plumbline
