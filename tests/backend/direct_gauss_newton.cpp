@@ -2,6 +2,7 @@
 // covariance: consistency_direct.cpp.                                                              docs/math/direct.md
 #include "plumbline/backend/direct_gauss_newton.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 
@@ -50,4 +51,22 @@ TEST_CASE("direct_gauss_newton: frames alone are about as good as frames in the 
   }
   CAPTURE(std::sqrt(alone / 500), std::sqrt(together / 500));
   CHECK(std::sqrt(alone / together) < 1.3);
+}
+
+TEST_CASE("direct_gauss_newton: where it goes on after the dark is known as far as the readings tell") {
+  double nees = 0, worst = 0;
+  constexpr int seeds = 10;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    test::BackendRun<DirectGaussNewton<8>, test::RgbdImu, Points<90>> run{std::uint64_t(seed)};
+    for (int k = 0; k < 30; ++k) run.step();
+    run.go_dark(40);  // 2 s
+    for (int k = 0; k < 3; ++k) {  // none of them a keyframe
+      const test::FrameError error = run.step();
+      nees += error.nees_position / (3 * seeds);
+      worst = std::max(worst, error.position);
+    }
+  }
+  CAPTURE(nees, worst);
+  CHECK(nees < 6);  // 3 expected
+  CHECK(nees > 0.3);
 }

@@ -134,6 +134,24 @@ class BackendRun {
     return out;
   }
 
+  /// Frames without images, then a keyframe of new landmarks where the readings have led, as estimator/recovery.hpp does.
+  void go_dark(int frames) {
+    for (int k = 0; k < frames; ++k) {
+      advance();
+      state_ = since_frame_.increment().predict(state_, backend_->links().gravity());
+    }
+    if (temporary_slot_ >= 0) backend_->drop(*landmarks_, temporary_slot_);
+    temporary_slot_ = -1;
+    landmarks_->for_each([](auto& store) { store.clear(); });
+    const int slot =
+        backend_->insert(t_ns_, state_, {keyframe_slot_, since_keyframe_, false, false, keyframe_cut_, cut()});
+    observe(slot, true);
+    adopt_keyframe(slot);
+    if (!backend_->window().full()) return;
+    NoMap<S> map;
+    backend_->retire(rig_, T_body_cam(), *landmarks_, backend_->window().oldest(), map);
+  }
+
   FrameError error() const {
     const Vec<double, 6> d = minus(T_world_body(), state_.T_world_body.template cast<double>());
     Mat<S, 6, 6> C = Mat<S, 6, 6>::Identity();

@@ -63,10 +63,13 @@ class DirectBackend {
   void hold_distance(int i, int j, double distance, double sigma) { bundle_.hold_distance(i, j, distance, sigma); }
   void hold_scale(int i, int j) { bundle_.hold_scale(i, j); }
   int insert(TimeNs t_ns, const State& x, const Link& link) {
-    if constexpr (requires { link.previous; }) frame_.follow(window(), link.previous);
+    if constexpr (requires { link.previous; }) frame_.follow(window(), links(), link.previous, options_.frame);
     return bundle_.insert(t_ns, x, link);
   }
-  void drop(Landmarks& landmarks, int slot) { bundle_.drop(landmarks, slot); }
+  void drop(Landmarks& landmarks, int slot) {
+    frame_.forget(slot);
+    bundle_.drop(landmarks, slot);
+  }
 
   /// The bundle of all keyframes, or the newest frame alone when it is none.
   void optimize(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks, bool keyframe = true) {

@@ -41,15 +41,24 @@ class FrameSolve {
   /// The keyframe in `slot` with its covariance in the window.
   void set_keyframe(int slot, const Covariance& covariance) {
     keyframe_ = slot;
-    pose_of_keyframe_ = block<pose_dim, pose_dim>(covariance, 0, 0);
+    of_keyframe_ = covariance;
     set_rest(covariance);
   }
-  /// The next frame hangs on the one in `slot`: a frame that was solved alone may stay, and be the keyframe.
-  void follow(const auto& window, int slot) {
-    if (slot == keyframe_ || slot != latest_ || !known_) return;
-    pose_of_keyframe_ = carried(window, latest_) + block<pose_dim, pose_dim>(relative_, 0, 0);
+  /// The next frame hangs on the one in `slot`: a frame that was solved alone may stay, and be the keyframe; so may one
+  /// that no image told of, where its links led.
+  void follow(const auto& window, const auto& links, int slot, const FrameSolveOptions& options) {
+    if (slot == keyframe_) return;
+    if (slot != latest_) return lead(window, links, slot, options);
+    if (!known_) return;
+    const PoseCovariance of_pose = carried(window, slot) + block<pose_dim, pose_dim>(relative_, 0, 0);
+    of_keyframe_ = relative_;
+    set_block(of_keyframe_, 0, 0, of_pose);
     set_rest(relative_);
-    keyframe_ = latest_;
+    keyframe_ = slot;
+  }
+  /// The frame in `slot` goes.
+  void forget(int slot) {
+    if (slot == latest_) latest_ = none;
   }
 
   /// Moves the state of the frame in `slot`; false, and nothing moved, when the rows do not determine it.
@@ -73,9 +82,8 @@ class FrameSolve {
       system.add(features);
       add_rest(window.state(slot).correction() - before.correction(), S(options.sigma_rest), system);
       add_keyframe(window.state(keyframe_).correction() - keyframe_before.correction(), system);
-      links.for_each_row(window, slot, [&](int i, const auto& J_i, int j, const auto& J_j, const auto&, const auto& r) {
-        if (j == slot && i == keyframe_) add_link(J_i, J_j, r, system);
-      });
+      for_each_link(window, links, slot,
+                    [&](const auto& J_i, const auto& J_j, const auto& r) { add_link(J_i, J_j, r, system); });
       Vec<S, System::dim> d;
       if (!system.solve(d)) {
         window.state(slot) = before;
@@ -95,9 +103,7 @@ class FrameSolve {
       if (!features_moved) features.move(d_pose);
     }
     window.state(keyframe_) = keyframe_before;  // it is the window's
-    Mat<S, System::dim, System::dim> covariance;
-    known_ = system.covariance(covariance);
-    if (known_) relative_ = block<dim, dim>(covariance, 0, 0);
+    know(system);
     return true;
   }
 
@@ -110,12 +116,41 @@ class FrameSolve {
  private:
   using System = DenseNormalEquations<S, dim + rest_dim>;  ///< the frame, then the rest of its keyframe
   using Rest = Mat<S, rest_dim, rest_dim>;
+  static constexpr int none = -1;
   static constexpr S fallback_sigma = S(0.1);  ///< where the window does not know the keyframe
+
+  /// The frame in `slot` is known as far as its links lead from the keyframe, whose pose is in doubt, too: what leans
+  /// falls elsewhere.
+  void lead(const auto& window, const auto& links, int slot, const FrameSolveOptions& options) {
+    const auto L = square_root_information(of_keyframe_);
+    if (!L) return;
+    DenseNormalEquations<S, 2 * dim> system;  // the frame, then its keyframe
+    system.reset();
+    Mat<S, dim, 2 * dim> J = zeros<S, dim, 2 * dim>();
+    set_block(J, 0, dim, *L);
+    system.add(J, zeros<S, dim>(), S(1));
+    add_rest(zeros<S, dim>(), S(options.sigma_rest), system);
+    for_each_link(window, links, slot,
+                  [&]<int Rows>(const Mat<S, Rows, dim>& J_i, const Mat<S, Rows, dim>& J_j, const Vec<S, Rows>& r) {
+                    Mat<S, Rows, 2 * dim> J_link;
+                    set_block(J_link, 0, 0, J_j);
+                    set_block(J_link, 0, dim, J_i);
+                    system.add(J_link, r, S(1));
+                  });
+    Vec<S, 2 * dim> d;
+    Mat<S, 2 * dim, 2 * dim> covariance;
+    if (system.solve(d) && system.covariance(covariance)) set_keyframe(slot, block<dim, dim>(covariance, 0, 0));
+  }
+  void know(const System& system) {
+    Mat<S, System::dim, System::dim> covariance;
+    known_ = system.covariance(covariance);
+    if (known_) relative_ = block<dim, dim>(covariance, 0, 0);
+  }
 
   /// The keyframe's pose covariance as one of the frame in `slot`.
   PoseCovariance carried(const auto& window, int slot) const {
     const PoseCovariance Ad = (window.T_world_body(slot).inverse() * window.T_world_body(keyframe_)).adjoint();
-    return product_transposed(product(Ad, pose_of_keyframe_), Ad);
+    return product_transposed(product(Ad, block<pose_dim, pose_dim>(of_keyframe_, 0, 0)), Ad);
   }
   /// (10)
   void set_rest(const Covariance& covariance) {
@@ -135,6 +170,12 @@ class FrameSolve {
     }
   }
 
+  /// take(J_i, J_j, r) of what ties the frame in `slot` to the keyframe.
+  void for_each_link(const auto& window, const auto& links, int slot, auto&& take) const {
+    links.for_each_row(window, slot, [&](int i, const auto& J_i, int j, const auto& J_j, const auto&, const auto& r) {
+      if (j == slot && i == keyframe_) take(J_i, J_j, r);
+    });
+  }
   template <int Rows, class T>
   static void add_link(const Mat<T, Rows, dim>& J_i, const Mat<T, Rows, dim>& J_j, const Vec<T, Rows>& r,
                        System& system) {
@@ -145,9 +186,10 @@ class FrameSolve {
   }
 
   /// Keeps the frame's velocity and biases near to what was predicted, where nothing else does.
-  static void add_rest(const Vec<S, dim>& moved, S sigma, System& system) {
+  template <int Dim>
+  static void add_rest(const Vec<S, dim>& moved, S sigma, DenseNormalEquations<S, Dim>& system) {
     for (int k = pose_dim; k < dim; ++k) {
-      Mat<S, 1, System::dim> J = zeros<S, 1, System::dim>();
+      Mat<S, 1, Dim> J = zeros<S, 1, Dim>();
       J(0, k) = 1 / sigma;
       system.add(J, Vec<S, 1>(moved[k] / sigma), S(1));
     }
@@ -163,9 +205,9 @@ class FrameSolve {
   }
 
   typename Landmarks::template TupleOf<MotionTerms> terms_;
-  int keyframe_ = 0, latest_ = -1;         ///< slots; the latest that was solved alone
+  int keyframe_ = 0, latest_ = none;       ///< slots; the latest that was solved alone
   Rest L_rest_ = identity<S, rest_dim>();  ///< L of (10)
-  PoseCovariance pose_of_keyframe_ = zeros<PoseCovariance>();
+  Covariance of_keyframe_ = zeros<Covariance>();
   Covariance relative_ = zeros<Covariance>();  ///< of the latest, the keyframe's pose being given
   bool known_ = false;
 };
