@@ -35,8 +35,13 @@ TEMPLATE_TEST_CASE("gyroscope_check: a bias that jumped is found, first suspecte
   CHECK(check.is_suspect());
   CHECK(jump.dot(check.rate_error().template cast<double>()) > 0.25 * jump.squaredNorm());
 
+  const double turned = jump.norm() * (frames + 1) * dt;
+  CHECK(double(check.turned_wrongly()) > turned);
+  CHECK(double(check.turned_wrongly()) < 3 * turned);
+
   CHECK_FALSE(check.in_doubt());
   check.settle();
+  CHECK(check.turned_wrongly() == 0);
   CHECK(check.in_doubt());
   CHECK(check.rate_error().norm() == 0);
   CHECK(until_jump(check, jump, 3e-4, 200) * dt == Approx(options.jump_settles_s).margin(1.5 * dt));

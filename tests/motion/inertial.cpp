@@ -327,6 +327,7 @@ TEMPLATE_TEST_CASE("inertial: a gyroscope whose bias jumps, against the images",
   for (; !go_on(0.1, S(3e-7)) && frames < 20; ++frames) suspect += !excludes(1.1 * options.max_innovation);
   CHECK(frames * frame_s < options.gyro_check.rate_error_s);
   CHECK(suspect > 0);  // images that turn otherwise are heard until it is decided
+  CHECK(double(drive.motion->turned_wrongly()) > 0.1 * (frames + 1) * frame_s);
 
   // It is found once, in a link that ends as soon as it can, and is to explain what is seen from now on.
   CHECK(drive.confirm_keyframe(100, false));
@@ -334,7 +335,10 @@ TEMPLATE_TEST_CASE("inertial: a gyroscope whose bias jumps, against the images",
   CHECK_FALSE(drive.motion->link(0).jumped);
   CHECK(excludes(1.1 * options.doubted_innovation));
   frames = 1;
-  for (; !go_on(0.1) && frames < 200; ++frames) CHECK(excludes(1.1 * options.doubted_innovation));
+  for (; !go_on(0.1) && frames < 200; ++frames) {
+    CHECK(excludes(1.1 * options.doubted_innovation));
+    CHECK(drive.motion->turned_wrongly() == 0);
+  }
   CHECK(frames * frame_s == Approx(options.gyro_check.jump_settles_s).margin(1.5 * frame_s));
   for (int k = 0; k < 300; ++k) go_on(0.1);
   CHECK(double(drive.latest.bias_gyro.x()) ==

@@ -91,6 +91,25 @@ TEMPLATE_TEST_CASE("origin: what the calibration is wrong by grows with the way,
   CHECK(origin.at(SE3<S>()).norm() == 0);
 }
 
+TEMPLATE_TEST_CASE("origin: a doubt on the way leaves the way, one that begins anew was none before", "", float,
+                   double) {
+  using S = TestType;
+  Origin<S> origin(S(0.01));
+  const auto at = [](double x) { return SE3<S>(SO3<S>(), {S(x), S(0), S(0)}); };
+  origin.travel_to(at(3));
+  origin.doubt_rotation(at(3), S(0.1));
+  CHECK(double(origin.at(at(3))(3, 3)) == Approx(0.03 * 0.03));
+  origin.travel_to(at(5));
+  CHECK(double(origin.at(at(5))(4, 4)) == Approx(0.2 * 0.2 + 0.05 * 0.05));  // 2 m of which the direction is in doubt
+  CHECK(double(origin.at(at(5))(5, 5)) == double(origin.at(at(5))(4, 4)));
+  CHECK(double(origin.at(at(5))(0, 0)) == Approx(0.1 * 0.1));
+  CHECK(double(origin.at(at(5))(3, 3)) == Approx(0.05 * 0.05));
+  const Mat<S, 6, 6> P = origin.at(at(5));
+  origin.begin_way(at(5));
+  CHECK(double(origin.at(at(5))(4, 4)) == Approx(0.2 * 0.2));
+  CHECK(origin.at(at(5))(2, 2) == P(2, 2));
+}
+
 TEMPLATE_TEST_CASE("origin: where gravity shows, the angle adds up about the vertical alone", "", float, double) {
   using S = TestType;
   Origin<S> origin(S(0.01), true);

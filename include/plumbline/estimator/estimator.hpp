@@ -149,9 +149,11 @@ class Estimator {
     timing_.map = stage.lap();
   }
 
-  /// Where readings are in doubt and exclude what was solved for, nobody knows who is right.
+  /// Where readings are in doubt and exclude what was solved for, nobody knows who is right; nor how the body
+  /// is turned since they are wrong: what leans can be a bias of the accelerometer.
   void judge(const Predicted& predicted) {
     const SE3<S>& T = core_.estimate.T_world_body;
+    if (core_.motion.turned_wrongly() > S(0)) core_.origin.doubt_rotation(T, core_.motion.turned_wrongly());
     if (core_.estimate.health.reason == HealthReason::imu_disagrees && !core_.motion.admits(predicted, T))
       core_.origin.dispute(minus(T, predicted.state.T_world_body));
   }

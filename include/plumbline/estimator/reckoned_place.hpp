@@ -86,9 +86,10 @@ class ReckonedPlace {
   /// The window has become metric.
   void become_metric(Odometry& odometry, const Start& start) {
     begun_ = odometry.window().latest();
+    const SE3<S>& T = odometry.window().T_world_body(odometry.window().oldest());
+    odometry.origin.begin_way(T);  // in metres, and upright
     if constexpr (Start::needs_second_view) {
       // On the way here scale and vertical were what they were taken for; the heading's axis is tilted, say half way.
-      const SE3<S>& T = odometry.window().T_world_body(odometry.window().oldest());
       odometry.origin.doubt(T, S(start.scale_sigma() * travelled(T)), S(0.5 * start.gravity_sigma()));
     }
   }

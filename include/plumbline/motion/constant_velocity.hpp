@@ -74,6 +74,7 @@ class ConstantVelocity {
 
   static constexpr bool contradicts(const Prediction<State, S>& /*predicted*/, const SE3<S>& /*T*/) { return false; }
   static constexpr bool admits(const Prediction<State, S>& /*predicted*/, const SE3<S>& /*T*/) { return true; }
+  static constexpr S turned_wrongly() { return S(0); }
   State update(const State& /*predicted*/, const SE3<S>& T, const Mat<S, 6, 6>& /*covariance*/,
                const View<Sensors>& view) {
     velocity_ = minus(T, view.T_world_previous) / view.dt;

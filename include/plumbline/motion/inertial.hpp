@@ -142,6 +142,7 @@ class Inertial {
 
   State update(const State& predicted, const SE3<S>& T, const Mat<S, 6, 6>& covariance, const View<Sensors>& view) {
     State x = predicted;
+    turned_wrongly_ = S(0);
     compare_orientation(T.rotation(), covariance, predicted.bias_gyro);
     if (is_metric_) check_accelerometer(T, covariance, view);
     if (is_metric_ && !imu_.blind()) look_for_jump(x, T, covariance, view.dt);
@@ -159,6 +160,8 @@ class Inertial {
     solved.v_world_body = size > most ? Vec<S, 3>(before.v_world_body + (most / size) * change) : seen;
     return true;
   }
+  /// By how much a gyroscope may have turned the frames up to this one that was found wrong in it [rad], else 0.
+  S turned_wrongly() const { return turned_wrongly_; }
   /// How well the window knows the latest state, its velocity after its pose.
   void know_velocity(const Mat<S, MovingLayout::dim, MovingLayout::dim>& P) {
     velocity_sigma_ = std::min(options_.velocity_sigma, options_.velocity_doubt * largest_velocity_sigma(P));
@@ -328,6 +331,7 @@ class Inertial {
   void look_for_jump(State& x, const SE3<S>& T, const Mat<S, 6, 6>& covariance, S dt) {
     const Vec<S, 3> d = (x.T_world_body.rotation().inverse() * T.rotation()).log();
     if (!gyro_check_.update(d, (covariance(0, 0) + covariance(1, 1) + covariance(2, 2)) / S(3), dt)) return;
+    turned_wrongly_ = gyro_check_.turned_wrongly();
     x.bias_gyro -= gyro_check_.rate_error();
     x.T_world_body = T;
     gyro_check_.settle();
@@ -358,6 +362,7 @@ class Inertial {
   double speed_ = 0, speed_sigma_ = 0;             ///< of that one [m/s]
   Vec<S, 3> place_sigma_ = zeros<S, 3>();          ///< of the predicted frame, by that [m]
   GyroscopeCheck<S> gyro_check_;
+  S turned_wrongly_ = S(0);  ///< [rad]
   AccelerometerCheck<S> accel_check_;
   State before_, foretold_;  ///< of the predicted frame: the state before, and what the readings make of it
   StandstillReport rest_;

@@ -64,14 +64,21 @@ class Origin {
     disputed_angle_ += norm(segment<3>(d, 0));
     disputed_distance_ += norm(segment<3>(d, 3));
   }
+  /// What was travelled on the way to T was no way.
+  void begin_way(const SE3<S>& T) { set(T, carried(P_, T_, T)); }
   /// What is measured from T on has that place with a sigma [m], and that heading about the vertical [rad].
   void doubt(const SE3<S>& T, S place_sigma, S heading_sigma) {
-    set(T, carried(P_, T_, T));
+    refer_to(T);
     const Vec<S, 3> up = T.rotation().inverse() * Vec<S, 3>(0, 0, 1);
     for (int i = 0; i < 3; ++i) {
       for (int k = 0; k < 3; ++k) P_(i, k) += heading_sigma * heading_sigma * up[i] * up[k];
       P_(3 + i, 3 + i) += place_sigma * place_sigma;
     }
+  }
+  /// The body that is at T now may be turned by that much [rad], about any axis.
+  void doubt_rotation(const SE3<S>& T, S sigma) {
+    refer_to(T);
+    for (int i = 0; i < 3; ++i) P_(i, i) += sigma * sigma;
   }
   /// The part of a pose's covariance that is the origin's and the way's.
   Covariance at(const SE3<S>& T) const {
@@ -89,6 +96,10 @@ class Origin {
   }
 
  private:
+  void refer_to(const SE3<S>& T) {
+    P_ = carried(P_, T_, T);
+    T_ = T;
+  }
   static S squared(S x) { return x * x; }
 
   S calibration_error_;
