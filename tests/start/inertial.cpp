@@ -18,6 +18,7 @@
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/mono.hpp"
 #include "plumbline/sensor/rgbd.hpp"
+#include "plumbline/start/depth.hpp"
 #include "plumbline/testing/renderer.hpp"
 #include "plumbline/testing/rig.hpp"
 #include "plumbline/testing/scenes.hpp"
@@ -150,4 +151,24 @@ TEST_CASE("inertial_start: a camera with depth, shaken by hand from the first re
 TEST_CASE("inertial_start: what images and readings together do not bear out is not believed") {
   const ShakenRun run = shaken_run<Mono<Camera, width * height>>(1, 0);
   REQUIRE((run.report.rejected > 0 && run.report.stage != InitStage::done && run.tracked == 0));
+}
+
+TEST_CASE("inertial_start: a clock that comes out otherwise each time is asked for twice, one that stays is believed") {
+  struct Rig {
+    double offset_s;
+    double time_offset_s() const { return offset_s; }
+    Readout<double> readout() const { return {}; }
+  };
+  InertialStart<double, DepthStart<double>> start({});
+  const auto found = [&](double aligned_by_s, double found_s) {
+    start.add(0, SE3<double>(), zeros<double, 3, 3>(), Preintegration<double>(ImuNoise{}), Rig{aligned_by_s});
+    return start.judge_clock(found_s);
+  };
+  const double wrong_s = 1.1 * start.options().max_time_error_s;
+  CHECK_FALSE(found(0, wrong_s));
+  CHECK(found(wrong_s, wrong_s));
+  CHECK_FALSE(found(wrong_s, 0));
+  CHECK_FALSE(found(0, wrong_s));
+  CHECK(found(wrong_s, 0));
+  CHECK_FALSE(found(0, wrong_s));
 }

@@ -183,7 +183,7 @@ class Beginning {
       begin_window(odometry, [&](int slot) { return window[slot].state.value(); });
       solve(odometry, length);
       const State x = odometry.window().latest();
-      const bool in_time = start_.was_in_time(window.time_offset_s(odometry.rig_state.time_offset_s()));
+      const bool in_time = start_.judge_clock(window.time_offset_s(odometry.rig_state.time_offset_s()));
       if (!in_time) odometry.motion.believe_clock_of(window);
       if (!in_time || !start_.believes(x)) {
         odometry.window().set_latest(before);

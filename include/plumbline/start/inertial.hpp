@@ -113,7 +113,7 @@ class InertialStart {
 
   /// Whether poses and readings were aligned by the clock that was found then: else scale and biases are of another.
   /// Where one comes out otherwise each time the motion does not show it, and the third is as good as any.
-  bool was_in_time(double time_offset_s) {
+  bool judge_clock(double time_offset_s) {
     const bool in_time = std::abs(time_offset_s - time_offset_s_) < options_.max_time_error_s;
     clock_turns_ = in_time || clock_turns_ == max_clock_turns ? 0 : clock_turns_ + 1;
     return clock_turns_ == 0;
