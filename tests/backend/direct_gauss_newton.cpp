@@ -59,7 +59,7 @@ TEST_CASE("direct_gauss_newton: where it goes on after the dark is known as far 
   for (int seed = 1; seed <= seeds; ++seed) {
     test::BackendRun<DirectGaussNewton<8>, test::RgbdImu, Points<90>> run{std::uint64_t(seed)};
     for (int k = 0; k < 30; ++k) run.step();
-    run.go_dark(40);  // 2 s
+    run.go_dark(40);               // 2 s
     for (int k = 0; k < 3; ++k) {  // none of them a keyframe
       const test::FrameError error = run.step();
       nees += error.nees_position / (3 * seeds);
