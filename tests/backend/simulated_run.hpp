@@ -134,7 +134,7 @@ class BackendRun {
     return out;
   }
 
-  /// Frames without images, then a keyframe of new landmarks where the readings have led, as estimator/recovery.hpp does.
+  /// Frames without images, then a keyframe of new landmarks where the readings have led: as estimator/recovery.hpp.
   void go_dark(int frames) {
     for (int k = 0; k < frames; ++k) {
       advance();

@@ -1,6 +1,6 @@
 #pragma once
-/// What is published while the poses of a start are not tied together yet: where the body stood, where its readings have
-/// led since, where poses of a rough scale say it is. All begins anew there.        docs/math/initialization.md (9)
+/// What is published while the poses of a start are not tied together yet: where the body stood, where its readings
+/// have led since, where poses of a rough scale say it is. All begins anew there.    docs/math/initialization.md (9)
 
 #include <cmath>
 

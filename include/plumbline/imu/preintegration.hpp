@@ -79,7 +79,7 @@ class Preintegration {
     intervals_.resize(Capacity / 2);
     S duration = S(0);
     for (const ImuInterval<S>& interval : intervals_) duration += interval.dt;
-    step_s_ = S(1.001) * duration / S(Capacity / 2);
+    step_s_ = S(2.002) * duration / S(Capacity);
   }
 
   ImuNoise noise_;

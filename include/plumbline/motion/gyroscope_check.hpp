@@ -42,8 +42,8 @@ class GyroscopeCheck {
   }
 
   const Vec<S, 3>& rate_error() const { return rate_error_; }  ///< seen, and not read [rad/s]
-  /// Since the readings err: the mean has reached the part 1 - exp(-t/rate_error_s) of a step by then, and it has turned
-  /// by no more than twice as much as this would in rate_error_s where t < 1.6 rate_error_s [rad].
+  /// Since the readings err: the mean has reached the part 1 - exp(-t/rate_error_s) of a step by then, and the step has
+  /// turned the body by no more than twice what that part would in rate_error_s, where t < 1.6 rate_error_s [rad].
   S turned_wrongly() const { return S(2 * options_.rate_error_s) * norm(rate_error_); }
   bool is_suspect() const { return suspect_; }  ///< or the images are
   bool in_doubt() const { return since_jump_s_ < options_.jump_settles_s; }

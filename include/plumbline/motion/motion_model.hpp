@@ -10,7 +10,7 @@
 ///   admits            whether a pose is as near to the prediction as it should be
 ///   contradicts       whether the sensors of the motion exclude the pose that the frame's features say
 ///   update            the frame's features say that it is at T, that well: the state with which it enters the window
-///   turned_wrongly    by how much the frames up to this one may have been turned by readings that were found wrong [rad]
+///   turned_wrongly    by how much readings that were found wrong may have turned the frames up to this one [rad]
 ///   revise            after the window was solved: whether the frame's state is corrected by what the images alone say
 ///   lose              the images do not say where the frame is; `carries_on` if the model can without them
 ///   restart           everything begins anew; returns where
