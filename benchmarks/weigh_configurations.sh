@@ -27,8 +27,8 @@ END
 # points are on lines, but none is followed from frame to frame.
 absent_from() {
   local absent=(testing)  # in none of them
-  [[ $1 == *-imu/* ]] || absent+=(Imu Preintegration InertialLinks AlignmentWindow)
-  [[ $1 == rgbd* ]] || absent+=(InverseDepthMeasurement DepthSensor RollingShutter ReadoutBelief ReadoutSlopes)
+  [[ $1 == *-imu/* ]] || absent+=(Imu Preintegration ImuFactors AlignmentWindow)
+  [[ $1 == rgbd* ]] || absent+=(InverseDepthMeasurement DepthSensor RollingShutter ReadoutEstimate ReadoutDerivatives)
   [[ $1 == *points* || $1 == mono*/lines/* ]] || absent+=(PointKind PointFlow)
   [[ $1 == *lines* ]] || absent+=(EdgeFollowing)
   [[ $1 == *lines* || $1 == *collinear* ]] || absent+=(LineKind)
@@ -56,7 +56,7 @@ using MonoCamera = pl::Mono<pl::Pinhole<float, pl::RadTan>, 752 * 480>;
 using RgbdCamera = pl::Rgbd<pl::Pinhole<float, pl::RadTan>, 752 * 480>;
 template <class Sensors>
 using LinesAlone = std::conditional_t<Sensors::has_depth, pl::Features<pl::Lines<160>>,
-                                      pl::Features<pl::StartPoints<200>, pl::Lines<100>>>;
+                                      pl::Features<pl::InitializationPoints<200>, pl::Lines<100>>>;
 using Sensors = $rig;
 using Vio = pl::Estimator<Sensors, $set, $policy>;
 

@@ -28,7 +28,7 @@ int main(int argc, char** argv) try {
   sensors.vision.camera = pl::io::make_camera<double>(calibration.camera);
   sensors.vision.width = calibration.camera.width;
   sensors.vision.height = calibration.camera.height;
-  sensors.vision.depth.units_per_metre = calibration.depth_scale;
+  sensors.vision.depth.units_per_meter = calibration.depth_scale;
   const auto vo = std::make_unique<Vo>(sensors);  // the only memory it will ever use
 
   for (const pl::io::FrameSample& sample : recording.frames()) {

@@ -13,7 +13,7 @@
 
 namespace pl = plumbline;
 
-/// Stereographic projection: a ray at angle theta from the axis is seen 2 f tan(theta/2) from the centre.
+/// Stereographic projection: a ray at angle theta from the axis is seen 2 f tan(theta/2) from the center.
 ///
 ///   uv = c + s (x, y),   s = 2 f/(r + z),   r = |p|                                                          (1)
 ///   J_uv_p = s [I2 0] - s/(r + z) (x, y)^T (p^T/r + e3^T)                                                    (2)
@@ -61,6 +61,6 @@ int main() {
   const auto vo = std::make_unique<Vo>(sensors);
 
   const pl::testing::RoomRun run = pl::testing::run_in_room(*vo);  // the same model renders the room
-  std::printf("%.2f m travelled, at most %.1f cm off\n", run.path_m, 100 * run.error_m);
+  std::printf("%.2f m traveled, at most %.1f cm off\n", run.path_m, 100 * run.error_m);
   return run.is_within(0.03) ? 0 : 1;
 }

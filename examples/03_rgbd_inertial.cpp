@@ -27,15 +27,15 @@ int main(int argc, char** argv) try {
   sensors.vision.camera = pl::io::make_camera<double>(calibration.camera);
   sensors.vision.width = calibration.camera.width;
   sensors.vision.height = calibration.camera.height;
-  sensors.vision.depth.units_per_metre = calibration.depth_scale;
+  sensors.vision.depth.units_per_meter = calibration.depth_scale;
   sensors.imu.T_body_cam = *calibration.T_body_camera;
   sensors.imu.noise = *calibration.imu;
   sensors.imu.limits = calibration.imu_limits;
   const auto vio = std::make_unique<Vio>(sensors);  // the only memory it will ever use
 
-  for (pl::io::Recording::Sample sample; recording.next(sample);) {  // readings and frames in order of time
-    if (const auto* reading = std::get_if<pl::ImuSample>(&sample)) {
-      (void)vio->add_imu(*reading);  // an error is a reading that is of no use; it is counted
+  for (pl::io::Recording::Sample sample; recording.next(sample);) {  // IMU samples and frames in order of time
+    if (const auto* imu = std::get_if<pl::ImuSample>(&sample)) {
+      (void)vio->add_imu(*imu);  // an error is a rejected sample; the estimator counts them
       continue;
     }
     const auto& frame = std::get<pl::io::FrameSample>(sample);

@@ -44,6 +44,6 @@ int main() {
   const auto vo = std::make_unique<Vo>(sensors);
 
   const pl::testing::RoomRun run = pl::testing::run_in_room(*vo);
-  std::printf("%.2f m travelled, at most %.1f cm off\n", run.path_m, 100 * run.error_m);
+  std::printf("%.2f m traveled, at most %.1f cm off\n", run.path_m, 100 * run.error_m);
   return run.is_within(0.03) ? 0 : 1;
 }

@@ -34,7 +34,7 @@ namespace pl = plumbline;
 
 // ------------------------------------------------------------------------------------------------------------ the kind
 
-/// A plane as another camera sees it.
+/// A plane in the coordinates of another camera.
 template <class S>
 struct PlaneInCamera {
   bool valid;
@@ -98,9 +98,9 @@ struct PlaneKind {
   static void set_range(const Geometry&, Observation&, const pl::SE3<S>&, S) {}
   static void set_motion_in_anchor(Geometry&, Observation&, const auto&, S) {}
   static void step(Geometry& plane, const pl::Vec<S, dim>& d) { plane.pi += d; }
-  static bool settle(Geometry& plane, const Observation&, const pl::Mat<S, dim, dim>* covariance) {
+  static bool set_covariance(Geometry& plane, const Observation&, const pl::Mat<S, dim, dim>* covariance) {
     if (covariance) plane.covariance = *covariance;
-    return covariance && plane.pi.squaredNorm() < S(100);  // farther than ten centimetres; false for NaN
+    return covariance && plane.pi.squaredNorm() < S(100);  // farther than ten centimeters; false for NaN
   }
 
   // In the window. Nothing is shared between the rows of one landmark.
@@ -116,7 +116,7 @@ struct PlaneKind {
     return double(pixel_loss.rho(r.squaredNorm())) / 2;
   }
   template <class Rows>
-  static void add_anchor_tie(const Geometry&, const Observation&, Rows&) {}
+  static void add_anchor_pixels(const Geometry&, const Observation&, Rows&) {}
   template <class Rows>
   static double add_view(const Sensors&, const Geometry& plane, const Observation& seen,
                          const pl::RelativeView<S>& view, int slot, Rows& rows) {
@@ -139,8 +139,9 @@ struct PlaneKind {
     const PlaneInCamera<S> at = in_camera(plane, view);
     return at.valid ? double(pixel_loss.rho((seen.L * (at.pi - seen.pi)).squaredNorm())) / 2 : invalid_cost;
   }
-  static void keep_fitting_in_anchor(const Geometry&, Observation&) {}
-  static void keep_fitting(const Sensors&, const Geometry& plane, Observation& seen, const pl::RelativeView<S>& view) {
+  static void reject_outliers_in_anchor(const Geometry&, Observation&) {}
+  static void reject_outliers(const Sensors&, const Geometry& plane, Observation& seen,
+                              const pl::RelativeView<S>& view) {
     const PlaneInCamera<S> at = in_camera(plane, view);
     seen.valid = at.valid && (seen.L * (at.pi - seen.pi)).squaredNorm() < S(25);
   }
@@ -194,9 +195,9 @@ class PlanesOfPoints {
   using View = pl::View<Sensors>;
   using Landmark = typename Store::Landmark;
   using Observation = typename Kind::Observation;
-  using Options = PlaneOptions;                     // reached as `options.planes`
-  static constexpr bool votes = false;              // a plane says too little to vote for a pose
-  static constexpr bool reads_kinds_before = true;  // their stores are the last argument: here, that of the points
+  using Options = PlaneOptions;                         // reached as `options.planes`
+  static constexpr bool gives_correspondences = false;  // a plane alone does not constrain a pose enough for RANSAC
+  static constexpr bool reads_kinds_before = true;      // their stores are the last argument: here, that of the points
 
   explicit PlanesOfPoints(const Options& options) : options_(options) {}
 
@@ -320,7 +321,7 @@ class PlanesOfPoints {
   Options options_;
 };
 
-/// What stands in Features<...>.
+/// The argument of Features<...>.
 template <int N>
 struct Planes {
   static constexpr int capacity = N;
@@ -352,7 +353,7 @@ int main() {
 
   const pl::testing::RoomRun run = pl::testing::run_in_room(*vo);
   const auto& planes = vo->landmarks().get<1>();
-  std::printf("%.2f m travelled, at most %.1f cm off; %d planes in sight, %d known\n", run.path_m, 100 * run.error_m,
+  std::printf("%.2f m traveled, at most %.1f cm off; %d planes in sight, %d known\n", run.path_m, 100 * run.error_m,
               planes.tracked_count(), int(planes.landmarks().size()));
   for (const auto& plane : planes.landmarks()) {
     const pl::Vec<double, 3> n = plane.geometry.pi.normalized();

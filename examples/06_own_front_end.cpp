@@ -32,7 +32,7 @@ class BlockMatching {
   using S = typename Kind::Scalar;
   using View = pl::View<Sensors>;
   using Options = BlockOptions;  // reached as `options.points`
-  static constexpr bool votes = true;
+  static constexpr bool gives_correspondences = true;
 
   explicit BlockMatching(const Options& options) : options_(options), flow_(options) {}
 
@@ -138,6 +138,6 @@ int main() {
   const auto vo = std::make_unique<Vo>(sensors, options);
 
   const pl::testing::RoomRun run = pl::testing::run_in_room(*vo);
-  std::printf("%.2f m travelled, at most %.1f cm off\n", run.path_m, 100 * run.error_m);
+  std::printf("%.2f m traveled, at most %.1f cm off\n", run.path_m, 100 * run.error_m);
   return run.is_within(0.03) ? 0 : 1;
 }

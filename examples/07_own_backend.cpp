@@ -24,15 +24,15 @@ namespace pl = plumbline;
 
 template <pl::MotionModel Motion, class LandmarksT, int K>
 class StructureBackend {
-  static_assert(!Motion::is_chain, "this backend moves no frame: it cannot use what an IMU says between them");
+  static_assert(!Motion::has_imu_factors, "this backend holds all frames fixed: it cannot use IMU factors");
 
  public:
   using Sensors = typename Motion::Sensors;
   using S = typename Motion::S;
   using Layout = typename Motion::Layout;
   using State = typename Motion::State;
-  using Link = typename Motion::Link;
-  using Links = typename Motion::template Links<K>;
+  using Factor = typename Motion::Factor;
+  using Factors = typename Motion::template Factors<K>;
   using Landmarks = LandmarksT;
   using Window = pl::FrameWindow<S, Layout, K>;
   struct Options {  // reached as `options.backend`
@@ -41,19 +41,19 @@ class StructureBackend {
   };
 
   StructureBackend(const Options& options, const typename Motion::Options& motion)
-      : options_(options), links_(motion) {}
+      : options_(options), factors_(motion) {}
 
   const Window& window() const { return window_; }
   Window& window() { return window_; }
-  const Links& links() const { return links_; }
+  const Factors& factors() const { return factors_; }
 
-  /// Forgets everything; one frame, which is the origin of the world.
+  /// Clears everything; one frame, which is the origin of the world.
   int start(pl::TimeNs t_ns, const State& x) {
     window_.clear();
     covariance_.setZero();
     return insert(t_ns, x, {});
   }
-  int insert(pl::TimeNs t_ns, const State& x, const Link&) {
+  int insert(pl::TimeNs t_ns, const State& x, const Factor&) {
     before_ = window_.size() > 0 ? window_.newest() : none;
     return window_.insert(t_ns, x);
   }
@@ -62,7 +62,7 @@ class StructureBackend {
     window_.remove(slot);
   }
 
-  /// The landmarks, all frames being given. `WindowTerms` knows their rows and eliminates them one by one; a step of
+  /// The landmarks, all frames being given. `WindowTerms` has their rows and eliminates them one by one; a step of
   /// the frames that is zero leaves each of them its own.
   void optimize(const Sensors& rig, const pl::SE3<S>& T_body_cam, Landmarks& landmarks, bool /*keyframe*/ = true) {
     views_.update(window_, T_body_cam);
@@ -120,7 +120,7 @@ class StructureBackend {
     return eliminated;
   }
 
-  /// The newest keyframe is known from the one before it, as well as the landmarks tie it to all others.
+  /// The covariance of the newest keyframe is relative to the one before it, as the landmarks relate it to all others.
   void grow_covariance(const Landmarks& landmarks) {
     const int newest = window_.newest();
     if (before_ == none || before_ == newest) return;
@@ -138,7 +138,7 @@ class StructureBackend {
 
   Options options_;
   Window window_;
-  [[no_unique_address]] Links links_;
+  [[no_unique_address]] Factors factors_;
   pl::WindowViews<S, K> views_;
   pl::NormalEquations<double, Layout::dim, K> equations_;
   pl::RelativeEquations<double, Layout::dim, K> pairs_;
@@ -170,6 +170,6 @@ int main() {
 
   const pl::testing::RoomRun run = pl::testing::run_in_room(*vo);
   const double sigma_m = std::sqrt(vo->latest().covariance.bottomRightCorner<3, 3>().trace());
-  std::printf("%.2f m travelled, at most %.1f cm off, %.1f cm claimed\n", run.path_m, 100 * run.error_m, 100 * sigma_m);
+  std::printf("%.2f m traveled, at most %.1f cm off, %.1f cm claimed\n", run.path_m, 100 * run.error_m, 100 * sigma_m);
   return run.is_within(0.03) ? 0 : 1;
 }

@@ -1,4 +1,4 @@
-// A second thread: how long a frame's pose takes when the work on keyframes goes on beside the caller, and when it does
+// A second thread: how long a frame's pose takes when the keyframe task runs beside the caller, and when it does
 // not. Plays a recording with an IMU at the speed at which it was made, once each way.
 //
 //   example_08_second_thread <directory of a recording with IMU> [seconds of it]
@@ -30,8 +30,8 @@ namespace pl = plumbline;
 
 using Sensors = pl::Rig<pl::Mono<pl::AnyCamera<double>, 1280 * 800>, pl::Imu>;
 using Features = pl::Features<pl::Points<250>, pl::Lines<100>>;
-template <pl::Executor Work>
-using Vio = pl::Estimator<Sensors, Features, pl::DirectGaussNewton<10>, pl::NoClock, pl::Forgetful, Work>;
+template <pl::Executor Task>
+using Vio = pl::Estimator<Sensors, Features, pl::DirectGaussNewton<10>, pl::NoClock, pl::NoMap, Task>;
 
 // An operating system without std::thread has an executor of its own: `start` wakes a task that calls run(context),
 // `wait` sleeps until it has.
@@ -60,8 +60,8 @@ Latency play(const char* directory, double seconds) {
   const pl::TimeNs first_ns = recording.frames().front().t_ns;
   const Clock::time_point start = Clock::now();
   for (pl::io::Recording::Sample sample; recording.next(sample);) {
-    if (const auto* reading = std::get_if<pl::ImuSample>(&sample)) {
-      (void)vio->add_imu(*reading);  // never waits for the work
+    if (const auto* imu = std::get_if<pl::ImuSample>(&sample)) {
+      (void)vio->add_imu(*imu);  // never waits for the keyframe task
       continue;
     }
     const auto& frame = std::get<pl::io::FrameSample>(sample);
@@ -87,7 +87,7 @@ void print(const char* name, std::vector<double> ms) {
 int main(int argc, char** argv) try {
   if (argc < 2) return std::fprintf(stderr, "usage: %s <directory of a recording with IMU> [seconds]\n", argv[0]), 1;
   const double seconds = argc > 2 ? std::atof(argv[2]) : 20;
-  const Latency in_order = play<Vio<pl::InOrder>>(argv[1], seconds);
+  const Latency in_order = play<Vio<pl::SynchronousExecutor>>(argv[1], seconds);
   const Latency beside = play<Vio<pl::BackgroundWorker>>(argv[1], seconds);
   std::printf("one thread\n");
   print("keyframes", in_order.keyframes);

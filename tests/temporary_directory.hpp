@@ -36,7 +36,7 @@ class TemporaryDirectory {
   std::filesystem::path path_;
 };
 
-/// What the call throws as a std::exception says; empty if it throws nothing.
+/// The message of the std::exception that the call throws; empty if it throws nothing.
 template <class F>
 std::string message_of(F&& call) {
   try {
@@ -48,7 +48,7 @@ std::string message_of(F&& call) {
 }
 
 /// The message starts with the file, the line if it is not 0, and contains the text; it is one line.
-inline bool says(const std::string& message, const std::filesystem::path& file, int line, std::string_view text) {
+inline bool reports(const std::string& message, const std::filesystem::path& file, int line, std::string_view text) {
   const std::string place = file.string() + ":" + (line > 0 ? std::to_string(line) + ":" : "") + " ";
   return message.starts_with(place) && message.find(text) != message.npos && message.find('\n') == message.npos;
 }

@@ -1,6 +1,6 @@
 #pragma once
 // What the comparisons of window solves with Ceres share: poses and the terms of points as Ceres sees them (analytic
-// Jacobians), and the clock.
+// Jacobians), and the timer.
 
 #include <benchmark/benchmark.h>
 #ifdef PLUMBLINE_CERES

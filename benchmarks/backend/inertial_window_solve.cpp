@@ -11,12 +11,12 @@
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"
+#include "plumbline/initialization/depth.hpp"
+#include "plumbline/initialization/inertial.hpp"
 #include "plumbline/motion/inertial.hpp"
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/rgbd.hpp"
 #include "plumbline/sensor/rig.hpp"
-#include "plumbline/start/depth.hpp"
-#include "plumbline/start/inertial.hpp"
 #include "plumbline/testing/simulated_points.hpp"
 
 namespace plumbline {
@@ -37,7 +37,7 @@ struct Motion {
     const Vec<double, 3> v = swing.array() * rate.array() * phase.array().cos();
     return {SE3<double>(rotation(t), p - 3.5 * Vec<double, 3>::UnitZ()), v};
   }
-  /// An accelerometer's exact reading.
+  /// Exact measurement of an accelerometer.
   Vec<double, 3> specific_force(double t) const {
     const Vec<double, 3> a = -swing.array() * rate.array().square() * (t * rate).array().sin();
     return rotation(t).inverse() * Vec<double, 3>(a - gravity_in_world<double>());
@@ -81,9 +81,9 @@ struct Window {
       scene.observe(landmarks.template get<0>(), x.T_world_body, slot, noise);
       observe(landmarks.template get<1>(), ends, x.T_world_body, slot, noise);
     }
-    const InertialStart<S, DepthStart<S>> start({});
+    const InertialInitializer<S, DepthInitializer<S>> start({});
     backend.restart([&](int slot) { return starts[std::size_t(slot)]; }, start.prior_on_biases(), rig.T_body_cam());
-    for (int k = 0; k < keyframes; ++k) {  // with the velocities above, not those that the positions tell of
+    for (int k = 0; k < keyframes; ++k) {  // with the velocities above, not those derived from the positions
       using Velocity = Estimated<state::Velocity, S>;
       backend.window().state(k).template get<state::Velocity>() = Velocity(starts[std::size_t(k)].v_world_body);
     }
@@ -103,7 +103,7 @@ struct Window {
     return out;
   }
 
-  /// The readings before keyframe k, 200 in a second.
+  /// The IMU samples before keyframe k, at 200 Hz.
   static Preintegration<S> increment(const Motion& motion, int k, testing::Gaussian& noise) {
     const ImuNoise spread;
     Preintegration<S> out(spread);
@@ -284,7 +284,7 @@ struct FirstStateCost final : ceres::SizedCostFunction<10, 7, 9> {
   Mat<double, 10, 15> J0 = Mat<double, 10, 15>::Zero();
   explicit FirstStateCost(const NavState<double>& x) : first(x) {
     const WindowOptions sigmas;
-    const InertialStartOptions biases;
+    const InertialInitializerOptions biases;
     J0.block<3, 3>(0, 3).diagonal().setConstant(1 / sigmas.sigma_first_position);
     J0.block<1, 3>(3, 0) = x.T_world_body.R().row(2) / sigmas.sigma_first_rotation;
     J0.block<3, 3>(4, 9).diagonal().setConstant(1 / biases.gyro_bias_sigma);
@@ -314,8 +314,8 @@ struct CeresWindow : CeresProblem {
     for (Vec<double, 7>& pose : poses) problem.AddParameterBlock(pose.data(), 7, new PoseManifold);
     problem.AddResidualBlock(new FirstStateCost(window->state(0)), nullptr, poses[0].data(), motions[0].data());
     for (int k = 1; k < keyframes; ++k) {
-      const std::size_t i = std::size_t(window->backend.links().previous(k)), j = std::size_t(k);
-      problem.AddResidualBlock(new InertialCost(window->backend.links().increment(k).increment()), nullptr,
+      const std::size_t i = std::size_t(window->backend.factors().previous(k)), j = std::size_t(k);
+      problem.AddResidualBlock(new InertialCost(window->backend.factors().increment(k).increment()), nullptr,
                                poses[i].data(), motions[i].data(), poses[j].data(), motions[j].data());
     }
     for (std::size_t i = 0; i < lambdas.size(); ++i) {

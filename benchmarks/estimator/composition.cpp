@@ -12,14 +12,14 @@
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/estimator/estimator.hpp"
 #include "plumbline/feature/features.hpp"
-#include "plumbline/feature/motion_estimate.hpp"
 #include "plumbline/feature/points.hpp"
+#include "plumbline/feature/pose_refinement.hpp"
 #include "plumbline/frontend/point_flow.hpp"
 #include "plumbline/geometry/pose_ransac.hpp"
 #include "plumbline/map/no_map.hpp"
 #include "plumbline/motion/constant_velocity.hpp"
 #include "plumbline/sensor/rgbd.hpp"
-#include "plumbline/state/origin.hpp"
+#include "plumbline/state/world_frame_uncertainty.hpp"
 #include "plumbline/testing/rig.hpp"
 #include "plumbline/testing/scenes.hpp"
 #include "plumbline/testing/simulated_camera.hpp"
@@ -35,7 +35,7 @@ using Camera = Pinhole<S>;
 using Sensors = Rig<Rgbd<Camera, width * height, Global>>;
 using Composed = Estimator<Sensors, Features<Points<points>>, SlidingWindow<keyframes>>;
 
-/// What one writes who wants this one estimator and no other.
+/// The same estimator written by hand, without composition.
 class ByHand {
  public:
   explicit ByHand(const Sensors& sensors) : rig_(sensors), T_body_cam_(sensors.T_body_cam()) {}
@@ -61,7 +61,7 @@ class ByHand {
     SE3<S> T = T_predicted;
     store().begin_frame();
     flow_.follow(view, window(), store(), T);
-    vote(view, T);
+    consensus(view, T);
 
     Mat<S, 6, 6> covariance;
     const auto refine = [&] {
@@ -75,7 +75,7 @@ class ByHand {
 
     window().set_latest({T});
     keep(view, T);
-    origin_.travel_to(T);
+    origin_.move_to(T);
     const Mat<S, 6, 6> Ad = (T.inverse() * window().T_world_body(keyframe_)).adjoint();
     const Mat<S, 6, 6> of_frame = Ad * keyframe_covariance_ * Ad.transpose() + covariance;
     covariance_ = of_frame + origin_.at(T);
@@ -120,23 +120,23 @@ class ByHand {
     const RotationAlignment<S> moved = align(guess.rotation(), parallax);
     const RotationAlignment<S> still = align(SO3<S>(), Vec<S, 3>::Zero());
     if (!still.valid && !moved.valid) return T;
-    const bool rests = still.valid && (!moved.valid || still.cost < moved.cost);
-    const SO3<S> R_world_cam = T_world_previous.rotation() * (rests ? still : moved).R_cur_prev.inverse();
-    return SE3<S>(R_world_cam * T_body_cam_.rotation().inverse(), rests ? latest.p() : T.p());
+    const bool is_stationary = still.valid && (!moved.valid || still.cost < moved.cost);
+    const SO3<S> R_world_cam = T_world_previous.rotation() * (is_stationary ? still : moved).R_cur_prev.inverse();
+    return SE3<S>(R_world_cam * T_body_cam_.rotation().inverse(), is_stationary ? latest.p() : T.p());
   }
 
-  void vote(const View<Sensors>& view, SE3<S>& T) {
-    votes_.clear();
-    voters_.clear();
-    flow_.for_each_correspondence(view, window(), store(), [&](int index, const PoseCorrespondence<S>& vote) {
-      votes_.push_back(vote);
-      voters_.push_back(index);
+  void consensus(const View<Sensors>& view, SE3<S>& T) {
+    correspondences_.clear();
+    candidates_.clear();
+    flow_.for_each_correspondence(view, window(), store(), [&](int index, const PoseCorrespondence<S>& correspondence) {
+      correspondences_.push_back(correspondence);
+      candidates_.push_back(index);
     });
-    const auto found = ransac_pose(votes_, (T * T_body_cam_).inverse(), PoseRansacOptions{});
+    const auto found = ransac_pose(correspondences_, (T * T_body_cam_).inverse(), PoseRansacOptions{});
     if (!found.valid) return;
     T = (T_body_cam_ * found.T_cam_world).inverse();
-    for (std::size_t k = 0; k < votes_.size(); ++k) {
-      if (!found.inlier[k]) store().reject(voters_[k]);
+    for (std::size_t k = 0; k < correspondences_.size(); ++k) {
+      if (!found.inlier[k]) store().reject(candidates_[k]);
     }
   }
 
@@ -191,17 +191,17 @@ class ByHand {
   const RotationAlignmentOptions rotation_options_;
   Landmarks landmarks_{StoreOptions{}};
   PointFlow<Store> flow_{PointFlowOptions{}};
-  MotionEstimate<Sensors, Landmarks> pose_{MotionOptions{}};
+  PoseRefinement<Sensors, Landmarks> pose_{PoseRefinementOptions{}};
   Composed::Backend backend_{{}, {}};
   KeyframeRule rule_{default_keyframes<Sensors>()};
-  NoMap<S> map_;
-  FixedVector<PoseCorrespondence<S>, points> votes_;
-  FixedVector<int, points> voters_;
+  NoMap::Discard<S> map_;
+  FixedVector<PoseCorrespondence<S>, points> correspondences_;
+  FixedVector<int, points> candidates_;
   bool begun_ = false;
   TimeNs t_ns_ = 0;
   int kept_ = 0, keyframe_ = 0, tracked_at_keyframe_ = 0;
   SE3<S> T_world_kept_, T_world_body_;
-  Origin<S> origin_{S(0.002)};
+  WorldFrameUncertainty<S> origin_{S(0.002)};
   Vec<S, 6> velocity_ = Vec<S, 6>::Zero();
   Mat<S, 6, 6> covariance_, keyframe_covariance_ = Mat<S, 6, 6>::Zero();
 };

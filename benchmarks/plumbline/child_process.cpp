@@ -88,7 +88,7 @@ Child start(const std::function<void(std::size_t)>& work, std::size_t index) {
   return {index, pid, std::move(output)};
 }
 
-/// The last line that says something.
+/// The last line that is not empty.
 std::string last_line(std::FILE* file) {
   std::rewind(file);
   std::string line, last;

@@ -1,5 +1,5 @@
 #pragma once
-/// Work in processes of its own, side by side: what crashes or hangs there ends there.
+/// Jobs in separate processes, in parallel: a crash or a hang affects its own process only.
 
 #include <cstddef>
 #include <functional>

@@ -33,7 +33,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int interrupted = 130;  // as shells say it
+constexpr int interrupted = 130;  // exit status of shells after SIGINT
 
 /// Part `index` (from 1) of `count`: every count-th run.
 struct Shard {
@@ -82,7 +82,7 @@ std::string name_of(const CompareJob& job) {
   return job.configuration->name + (" on " + job.dataset->name) + format(", repeat %zu", job.repeat);
 }
 
-/// What there is to know before the runs.
+/// The header of the comparison, before the runs.
 json comparison_of(const ComparePlan& plan, const CompareOptions& options, const json& machine, std::size_t processes) {
   std::string names;
   json configurations = json::array(), datasets = json::array();

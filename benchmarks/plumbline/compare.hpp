@@ -1,5 +1,6 @@
 #pragma once
-/// `plumbline compare`: configurations on recordings, begun at several frames, side by side.        docs/compare.md
+/// `plumbline compare`: configurations on recordings, from several first frames, side by side.
+///                                                                                             docs/guide/compare.md
 
 #include <cstddef>
 #include <filesystem>
@@ -14,7 +15,7 @@ struct CompareOptions {
   std::vector<std::filesystem::path> merge;     ///< files of comparisons, instead of running any
   std::optional<std::filesystem::path> json, report, markdown;
   std::string shard = "1/1";  ///< which part of the runs, of how many
-  std::size_t repeats = 1;    ///< runs of each, begun one frame apart
+  std::size_t repeats = 1;    ///< runs of each, their first frames one frame apart
   std::size_t processes = 0;  ///< side by side; 0: as many as there are cores
   double start_s = 0;
   double duration_s = std::numeric_limits<double>::infinity();

@@ -11,9 +11,9 @@
 /// Throws std::runtime_error for what is no comparison.
 nlohmann::json read_comparison(const std::filesystem::path& file);
 
-/// The first file's machine stands for all; runs of another
-/// one, or beside another number of processes, say so themselves. Throws std::runtime_error where the files cannot be
-/// compared: another program, another part of the recordings, the same run twice.
+/// The machine is that of the first file; runs of another machine, or beside another number of processes, have a field
+/// for it. Throws std::runtime_error where the files cannot be compared: another program, another part of the
+/// recordings, the same run twice.
 nlohmann::json merge_comparisons(const std::vector<std::filesystem::path>& files);
 
 /// Runs that all shards together have.

@@ -42,5 +42,5 @@ struct ComparePlan {
   ComparePlan& operator=(const ComparePlan&) = delete;
 };
 
-/// As docs/compare.schema.json has it. An alias has the parts of what it stands for.
+/// As docs/compare.schema.json has it. An alias has the parts of the configuration it names.
 nlohmann::json json_of(const Configuration& configuration);

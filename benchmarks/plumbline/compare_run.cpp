@@ -40,7 +40,7 @@ struct FrameSeries {
   }
 };
 
-/// All that a run gave, before it is judged.
+/// The output of a run, before it is evaluated.
 struct Observed {
   FrameSeries frames;
   io::Trajectory poses;
@@ -50,7 +50,7 @@ struct Observed {
   std::map<std::pair<int, std::uint32_t>, MapFeature> map;  ///< as each feature was last known
 };
 
-/// Nothing where a file is damaged: the run goes on with the next frame.
+/// Nothing where a file is damaged: the run continues with the next frame.
 std::optional<Images> read_if_whole(const io::FrameSample& frame, bool with_depth) {
   try {
     return read_images(frame, with_depth);

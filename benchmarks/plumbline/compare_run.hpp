@@ -1,5 +1,5 @@
 #pragma once
-/// One run of a comparison, judged by the truth.
+/// One run of a comparison, evaluated with the ground truth.
 
 #include <nlohmann/json.hpp>
 

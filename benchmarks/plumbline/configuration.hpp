@@ -1,15 +1,15 @@
 #pragma once
-/// The types that configurations.cmake names: the largest image, the camera model chosen at run time, and what features
-/// stand for with certain sensors.
+/// The types that configurations.cmake names: the largest image, the camera model chosen at run time, and the types of
+/// features for certain sensors.
 
 #include <type_traits>
 
 #include "plumbline/camera/any_camera.hpp"
 #include "plumbline/feature/collinear.hpp"
 #include "plumbline/feature/features.hpp"
+#include "plumbline/feature/initialization_points.hpp"
 #include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"
-#include "plumbline/feature/start_points.hpp"
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/mono.hpp"
 #include "plumbline/sensor/rgbd.hpp"
@@ -19,13 +19,13 @@
 namespace pl = plumbline;
 
 inline constexpr std::size_t largest = 1920 * 1200;                        ///< image [px]
-using MonoCamera = pl::Mono<pl::AnyCamera<double>, largest, pl::Rolling>;  // the calibration says how fast, if at all
+using MonoCamera = pl::Mono<pl::AnyCamera<double>, largest, pl::Rolling>;  // the calibration has the readout time
 using RgbdCamera = pl::Rgbd<pl::AnyCamera<double>, largest>;
 
 /// A camera without depth starts by points.
 template <class Sensors>
 using LinesAlone = std::conditional_t<Sensors::has_depth, pl::Features<pl::Lines<160>>,
-                                      pl::Features<pl::StartPoints<200>, pl::Lines<100>>>;
+                                      pl::Features<pl::InitializationPoints<200>, pl::Lines<100>>>;
 
 template <class Sensors>
 constexpr Needs needs_of() {

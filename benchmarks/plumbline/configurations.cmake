@@ -1,5 +1,5 @@
-# The configurations of the program: the product of these three lists. Each entry is a name and the C++ type that it stands
-# for (configuration.hpp); features may depend on the sensors. A sensor combination, a set of features or a backend is one
+# The configurations of the program: the product of these three lists. Each entry is a name and its C++ type
+# (configuration.hpp); features may depend on the sensors. A sensor combination, a set of features or a backend is one
 # line here, and nothing else.
 
 set(plumbline_sensors

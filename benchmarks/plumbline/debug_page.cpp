@@ -29,16 +29,16 @@ Json numbers(const std::vector<double>& values) {
 }
 
 /// Seconds since the first frame, to the microsecond.
-class Clock {
+class SecondsSince {
  public:
-  explicit Clock(pl::TimeNs first) : first_(first) {}
+  explicit SecondsSince(pl::TimeNs first) : first_(first) {}
   Json operator()(pl::TimeNs t) const { return std::round(1e-3 * static_cast<double>(t - first_)) / 1e6; }
 
  private:
   pl::TimeNs first_;
 };
 
-Json errors_of(const std::vector<TruthError>& errors, const Clock& seconds) {
+Json errors_of(const std::vector<TruthError>& errors, const SecondsSince& seconds) {
   if (errors.empty()) return nullptr;
   Json out;
   for (const TruthError& each : errors) {
@@ -50,7 +50,7 @@ Json errors_of(const std::vector<TruthError>& errors, const Clock& seconds) {
   return out;
 }
 
-Json trajectory_of(const pl::io::Trajectory& trajectory, const Clock& seconds) {
+Json trajectory_of(const pl::io::Trajectory& trajectory, const SecondsSince& seconds) {
   Json out{{"t", Json::array()}, {"x", Json::array()}, {"y", Json::array()}, {"z", Json::array()}};
   for (const pl::io::StampedPose& pose : trajectory) {
     const pl::Vec<double, 3>& p = pose.T_world_body.p();
@@ -65,7 +65,7 @@ Json trajectory_of(const pl::io::Trajectory& trajectory, const Clock& seconds) {
 }  // namespace
 
 void write_debug_page(const std::filesystem::path& html, const DebugPage& page) {
-  const Clock seconds(page.times.front());
+  const SecondsSince seconds(page.times.front());
   Json data{{"format", "plumbline-debug"}, {"version", 1},        {"title", page.title},
             {"summary", page.summary},     {"kinds", page.kinds}, {"has_imu", page.has_imu}};
   for (const pl::TimeNs t : page.times) data["t"].push_back(seconds(t));

@@ -49,7 +49,7 @@ std::string headline(std::size_t number, double t_s, const FrameOutput& output, 
         std::string(": ") + (start.stage == pl::InitStage::aligning ? name_of(start.alignment) : name_of(start.stage));
   }
   if (now.estimate.keyframe) out += "  keyframe";
-  if (now.inertial && now.inertial->at_rest) out += "  at rest";
+  if (now.inertial && now.inertial->is_stationary) out += "  stationary";
   return out;
 }
 
@@ -64,7 +64,7 @@ DebugReport::DebugReport(const DebugOptions& options, std::string title, pl::io:
 void DebugReport::add(std::size_t number, pl::TimeNs t_ns, const cv::Mat& gray, const FrameOutput& output,
                       const Inspection& inspection) {
   const pl::HealthReason reason = inspection.estimate.health.reason;
-  const bool was_of_use = reason != pl::HealthReason::coasting && reason != pl::HealthReason::few_inliers;
+  const bool was_of_use = reason != pl::HealthReason::imu_only && reason != pl::HealthReason::few_inliers;
   std::vector<std::vector<Mark>> marks;
   for (std::size_t k = 0; k < inspection.features.size() && !output.refused; ++k)
     marks.push_back(marks_of(before_ ? &before_->features[k] : nullptr, inspection.features[k], was_of_use));
@@ -149,7 +149,7 @@ void DebugReport::add_row(std::size_t number, pl::TimeNs t_ns, const FrameOutput
 
 void DebugReport::add_inertial(const InertialInspection& inertial) {
   const pl::ImuCoverage& coverage = inertial.coverage;
-  frames_.set("at_rest", inertial.at_rest);
+  frames_.set("is_stationary", inertial.is_stationary);
   const auto since_last = [&](double value) { return before_ ? value : unknown; };
   frames_.set("imu_missing", since_last(coverage.missing()));
   frames_.set("imu_gap_s", since_last(coverage.gap_s));

@@ -36,16 +36,16 @@ Sensors make_sensors(const plumbline::io::Calibration& calibration) {
   sensors.vision.camera = plumbline::io::make_camera<S>(camera);
   sensors.vision.width = camera.width;
   sensors.vision.height = camera.height;
-  if constexpr (Sensors::has_depth) sensors.vision.depth.units_per_metre = static_cast<S>(calibration.depth_scale);
+  if constexpr (Sensors::has_depth) sensors.vision.depth.units_per_meter = static_cast<S>(calibration.depth_scale);
   if (camera.readout_s) {
     sensors.vision.readout.set({static_cast<S>(*camera.readout_s), S(0)});
   } else if constexpr (Sensors::has_imu && !Sensors::has_depth) {
-    sensors.vision.readout.set({S(0), S(0.02), true});  // the gyroscope shows it, should the shutter roll
+    sensors.vision.readout.set({S(0), S(0.02), true});  // observable with a gyroscope
   }
   if constexpr (Sensors::has_imu) {
     sensors.imu.T_body_cam = calibration.T_body_camera.value();
     sensors.imu.limits = calibration.imu_limits;
-    sensors.imu.noise = calibration.imu.value();  // no time offset: a recording's frames are on the IMU's clock
+    sensors.imu.noise = calibration.imu.value();  // no time offset: a recording's frames have it applied
   }
   return sensors;
 }
@@ -69,8 +69,8 @@ class EstimatorRunner final : public Runner {
     previous_ns_ = estimator_->latest().t_ns;
     const plumbline::Result<plumbline::Estimate<S>> estimate = estimator_->add_frame(frame);
     FrameOutput out{to_double(estimator_->latest()), std::nullopt, {}, estimator_->init_report()};
-    out.is_rough = out.estimate.health.reason == plumbline::HealthReason::scale_uncertain &&
-                   out.start.stage != plumbline::InitStage::done;
+    out.is_uncertain = out.estimate.health.reason == plumbline::HealthReason::scale_uncertain &&
+                       out.start.stage != plumbline::InitStage::done;
     if (estimate)
       out.timing = estimator_->timing();
     else
@@ -133,7 +133,7 @@ class EstimatorRunner final : public Runner {
   template <class Store>
   static constexpr bool are_lines = std::is_same_v<typename Store::Kind::Place, plumbline::LineSegment>;
 
-  /// Lines are not kept with less; points are, for what they say of the rotation.
+  /// Lines are not kept with less; points are, as they constrain the rotation.
   template <class Geometry>
   static bool is_sharp(const Geometry& geometry) {
     if constexpr (requires { geometry.sigma_inverse_range; })

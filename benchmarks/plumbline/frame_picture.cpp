@@ -27,13 +27,13 @@ class Pen {
   void line(const Pixel& a, const Pixel& b, const cv::Scalar& color, int thickness = 1) const {
     cv::line(picture_, at(a), at(b), color, thickness, cv::LINE_AA, shift);
   }
-  void circle(const Pixel& centre, float radius_px, const cv::Scalar& color) const {
-    cv::circle(picture_, at(centre), cvRound(radius_px * (1 << shift)), color, 1, cv::LINE_AA, shift);
+  void circle(const Pixel& center, float radius_px, const cv::Scalar& color) const {
+    cv::circle(picture_, at(center), cvRound(radius_px * (1 << shift)), color, 1, cv::LINE_AA, shift);
   }
-  void cross(const Pixel& centre, const cv::Scalar& color) const {
+  void cross(const Pixel& center, const cv::Scalar& color) const {
     const float arm = 3.5f / zoom_;
-    line(centre - Pixel(arm, arm), centre + Pixel(arm, arm), color);
-    line(centre - Pixel(arm, -arm), centre + Pixel(arm, -arm), color);
+    line(center - Pixel(arm, arm), center + Pixel(arm, arm), color);
+    line(center - Pixel(arm, -arm), center + Pixel(arm, -arm), color);
   }
 
  private:

@@ -1,4 +1,4 @@
-// Whether there is anything to see in the images, and whether depth is in metres.
+// Whether there is anything to see in the images, and whether depth is in meters.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -81,7 +81,8 @@ void check_depths(const io::Recording& recording, const Depths& depths, std::vec
   const auto with_depth = std::count_if(recording.frames().begin(), recording.frames().end(),
                                         [](const io::FrameSample& frame) { return frame.depth.has_value(); });
   if (with_depth == 0) {
-    findings.push_back({true, file + "no depth image is within 20 ms of an image: do the clocks agree?"});
+    findings.push_back(
+        {true, file + "no depth image is within 20 ms of an image: are both stamped by the same clock?"});
     return;
   }
   if (2 * static_cast<std::size_t>(with_depth) < recording.frame_count())

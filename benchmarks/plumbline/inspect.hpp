@@ -30,7 +30,7 @@ FeatureInspection inspect_features(const Store& store) {
   using Place = typename Store::Kind::Place;
   FeatureInspection out{};
   out.are_lines = std::is_same_v<Place, plumbline::LineSegment>;
-  out.name = plumbline::HoldsOthers<typename Store::Kind> ? "collinear" : out.are_lines ? "lines" : "points";
+  out.name = plumbline::HasMembers<typename Store::Kind> ? "collinear" : out.are_lines ? "lines" : "points";
   out.landmarks = store.landmarks().size();
   const auto sighting = [](std::uint32_t id, bool located, const Place& place) -> Sighting {
     if constexpr (std::is_same_v<Place, plumbline::LineSegment>)
@@ -95,7 +95,7 @@ Inspection inspect(const Estimator& estimator, plumbline::TimeNs previous_ns) {
     const plumbline::TimeNs offset_ns = std::llround(1e9 * estimator.rig_state().time_offset_s());
     InertialInspection inertial{
         estimator.init_report(),
-        estimator.at_rest(),
+        estimator.is_stationary(),
         estimator.imu().for_each_interval(previous_ns + offset_ns, out.estimate.t_ns + offset_ns, [](const auto&) {}),
         estimator.imu().gyro_full_scale(),
         estimator.imu().accel_full_scale(),

@@ -9,7 +9,7 @@
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/estimator/estimate.hpp"
 #include "plumbline/imu/imu_buffer.hpp"
-#include "plumbline/start/start_report.hpp"
+#include "plumbline/initialization/init_report.hpp"
 
 /// Where a frame shows a landmark [px]: from start to end of an edge; both are one place of a point.
 struct Sighting {
@@ -36,17 +36,17 @@ struct FeatureInspection {
 /// Of rigs with an IMU.
 struct InertialInspection {
   plumbline::InitReport start;
-  bool at_rest;
+  bool is_stationary;
   plumbline::ImuCoverage coverage;                 ///< of the time since the last frame
-  double gyro_full_scale, accel_full_scale;        ///< of the calibration, or as the readings show [rad/s], [m/s^2]
+  double gyro_full_scale, accel_full_scale;        ///< of the calibration, or as detected [rad/s], [m/s^2]
   std::optional<plumbline::Vec<double, 9>> sigma;  ///< of velocity, gyroscope bias, accelerometer bias
-  double time_offset_s;                            ///< of the camera's clock, beyond the calibration's
+  double time_offset_s;                            ///< of the camera, in addition to the calibration's
   double sigma_time_offset_s;
 
   // How the camera sits against T_body_camera, in the axes of the body [rad], [m].
   plumbline::Vec<double, 3> turned = plumbline::Vec<double, 3>::Zero(), moved = turned;
   plumbline::Vec<double, 3> sigma_turned = turned, sigma_moved = turned;
-  bool corrects_extrinsics = false;  ///< that is in force; else it only seems so
+  bool corrects_extrinsics = false;  ///< the estimator uses that correction
 };
 
 struct Inspection {

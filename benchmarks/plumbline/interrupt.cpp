@@ -19,7 +19,7 @@ Interruptible::Interruptible() {
   note.sa_flags = static_cast<int>(SA_RESETHAND);
   for (std::size_t i = 0; i < signals.size(); ++i) {
     sigaction(signals[i], nullptr, &before_[i]);
-    if (before_[i].sa_handler != SIG_IGN) sigaction(signals[i], &note, nullptr);  // nohup stays in force
+    if (before_[i].sa_handler != SIG_IGN) sigaction(signals[i], &note, nullptr);  // nohup keeps its effect
   }
 }
 

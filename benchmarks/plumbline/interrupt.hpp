@@ -1,5 +1,5 @@
 #pragma once
-/// Ctrl-C, and what a scheduler sends: work that is asked to stop clears up and says so.
+/// Ctrl-C, and what a scheduler sends: work that is asked to stop removes its files and reports it.
 
 #include <csignal>
 #include <stdexcept>

@@ -129,7 +129,7 @@ void draw_marks(cv::Mat& picture, const View& view, const io::Trajectory& trajec
   cv::rectangle(picture, end - half, end + half, red, cv::FILLED, cv::LINE_AA);
 }
 
-/// From right to left; the first name stands leftmost.
+/// From right to left; the first name is leftmost.
 struct Legend {
   cv::Mat& picture;
   int right_end = zoom * (width - right);

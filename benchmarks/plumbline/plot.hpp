@@ -17,7 +17,7 @@ struct NamedTrajectory {
 void require_picture_name(const std::filesystem::path& file);
 
 /// Draws the reference and the estimates, which are already aligned to it, seen along the axis of the smallest extent,
-/// in equal scale, with a grid in metres. Without a reference, an empty one, the estimates alone. Only the part of the
+/// in equal scale, with a grid in meters. Without a reference, an empty one, the estimates alone. Only the part of the
 /// reference the estimates' times cover is drawn strongly. Throws std::runtime_error when the file cannot be written.
 void draw_trajectories(const std::filesystem::path& file, const plumbline::io::Trajectory& reference,
                        const std::vector<NamedTrajectory>& estimates, const std::string& title);

@@ -1,6 +1,7 @@
 #pragma once
-/// What can be known of a recording before the run: do the clocks agree, are the units those that are expected, is
-/// there something to see? Looks at every time stamp and reading, and at a few images.            docs/datasets.md
+/// Checks of a recording before the run: time stamps, rates and units of the IMU, content of the images. They use
+/// every time stamp and IMU sample, and a few images.
+///                                                                                     docs/guide/your_recording.md
 
 #include <string>
 #include <vector>
@@ -17,6 +18,6 @@ struct Finding {
 std::vector<Finding> check_recording(const plumbline::io::Recording& recording, const Needs& needs);
 
 /// The parts of it.
-std::vector<Finding> check_clocks(const plumbline::io::Recording& recording, const Needs& needs);
-std::vector<Finding> check_readings(const plumbline::io::Recording& recording);
+std::vector<Finding> check_time_offsets(const plumbline::io::Recording& recording, const Needs& needs);
+std::vector<Finding> check_imu_samples(const plumbline::io::Recording& recording);
 std::vector<Finding> check_images(const plumbline::io::Recording& recording, const Needs& needs);

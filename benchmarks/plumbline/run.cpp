@@ -22,7 +22,7 @@ namespace pl = plumbline;
 
 namespace {
 
-/// A calibration for another resolution would give wrong poses without a word.
+/// A calibration for another resolution would give wrong poses without an error.
 void require_calibrated_size(const pl::io::FrameSample& frame, const Images& images,
                              const pl::io::CameraCalibration& camera) {
   pl::opencv::require_resolution(images.gray, camera.width, camera.height, frame.image);
@@ -39,18 +39,18 @@ void require_sensors(const Configuration& configuration, const pl::io::Recording
                              " needs IMU samples, their noise and T_body_camera");
 }
 
-/// Says all that is odd; throws the last of what cannot work, unless the recording is to be taken as it is.
+/// Prints all findings; throws the last error among them, unless the recording is used unchecked.
 void require_plausible(const pl::io::Recording& recording, const Needs& needs, bool is_unchecked) {
   std::string error;
-  const auto say = [](const char* kind, const std::string& text) {
+  const auto print = [](const char* kind, const std::string& text) {
     std::fprintf(stderr, "plumbline: %s%s\n", kind, pl::io::printable(text).c_str());
   };
   for (const Finding& finding : check_recording(recording, needs)) {
     if (!finding.is_error || is_unchecked) {
-      say("warning: ", finding.text);
+      print("warning: ", finding.text);
       continue;
     }
-    if (!error.empty()) say("", error);
+    if (!error.empty()) print("", error);
     error = finding.text;
   }
   if (!error.empty()) throw std::runtime_error(error);

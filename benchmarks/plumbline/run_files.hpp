@@ -31,7 +31,7 @@ class RunFiles {
   bool has_states() const { return states_.has_value(); }
   bool has_landmarks() const { return landmarks_.has_value(); }
 
-  /// After a run without a pose: what tells of the frames.
+  /// After a run without a pose: the tables of the frames.
   void commit_tables();
   void commit_all();
 

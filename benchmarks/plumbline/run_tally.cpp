@@ -6,16 +6,16 @@
 #include <numeric>
 
 #include "format.hpp"
-#include "plumbline/start/two_view.hpp"
+#include "plumbline/initialization/two_view.hpp"
 #include "statistics.hpp"
 
 namespace pl = plumbline;
 
 namespace {
 
-/// What the start waits for, with the figures that say how far it is from that.
+/// The condition that initialization waits for, with measured and required values.
 std::string figures_of(const pl::InitReport& start) {
-  const pl::TwoViewStartOptions two_view;
+  const pl::TwoViewInitializerOptions two_view;
   switch (start.stage) {
     case pl::InitStage::few_features: return format("%d in sight", start.features);
     case pl::InitStage::little_parallax:
@@ -24,21 +24,22 @@ std::string figures_of(const pl::InitReport& start) {
     case pl::InitStage::two_views_disagree:
       return format("%.0f %% of %d features fit one motion, %.0f needed: is the calibration right?",
                     100 * start.inliers, start.features, 100 * two_view.min_inliers);
-    case pl::InitStage::not_believed:
+    case pl::InitStage::rejected:
       return format(
-          "%d times: images and readings together need impossible biases; are units, axes, clocks and "
-          "T_body_camera right?",
+          "%d initializations: images and IMU fit only with implausible biases; are the units and axes of the "
+          "IMU, the time offset and T_body_camera right?",
           start.rejected);
     case pl::InitStage::done: return {};
     case pl::InitStage::aligning: break;
   }
   switch (start.alignment) {
     case pl::AlignmentOutcome::rotations_disagree:
-      return format("by %.2g degrees: are axes, units, clocks and T_body_camera right?", degrees * start.gyro_residual);
+      return format("by %.2g degrees: are axes, units, time offset and T_body_camera right?",
+                    degrees * start.gyro_residual);
     case pl::AlignmentOutcome::gravity_implausible:
       return format("%.3g m/s^2: are units, axes and T_body_camera right?", start.gravity_norm);
     case pl::AlignmentOutcome::positions_disagree:
-      return "the images were followed badly, or clocks or T_body_camera are wrong";
+      return "feature tracking is poor, or the time offset or T_body_camera is wrong";
     case pl::AlignmentOutcome::gravity_uncertain:
     case pl::AlignmentOutcome::scale_uncertain:
       return format("to %.0f %%, motion of %.2g m/s^2: the body must move with more acceleration",
@@ -49,8 +50,8 @@ std::string figures_of(const pl::InitReport& start) {
   }
 }
 
-/// Begins, or begins anew.
-bool is_beginning(const FrameOutput& output) {
+/// Initializes, at first or after a reset.
+bool is_initializing(const FrameOutput& output) {
   return output.health() == pl::HealthState::initializing ||
          (output.health() == pl::HealthState::lost && output.start.stage != pl::InitStage::done);
 }
@@ -58,7 +59,7 @@ bool is_beginning(const FrameOutput& output) {
 std::string explanation_of(const FrameOutput& output) {
   if (output.refused) return std::string("refused, ") + name_of(*output.refused);
   const pl::Health& health = output.estimate.health;
-  if (!is_beginning(output)) return std::string(name_of(health.state)) + ", " + name_of(health.reason);
+  if (!is_initializing(output)) return std::string(name_of(health.state)) + ", " + name_of(health.reason);
   if (health.reason != pl::HealthReason::aligning && health.reason != pl::HealthReason::none)
     return name_of(health.reason);
   return output.start.stage == pl::InitStage::aligning ? name_of(output.start.alignment) : name_of(output.start.stage);
@@ -79,7 +80,7 @@ void RunTally::add(const FrameOutput& output, bool is_in_trajectory) {
   ++without_;
   Reason& reason = reasons_[explanation_of(output)];
   ++reason.frames;
-  if (!output.refused && is_beginning(output)) reason.figures = figures_of(output.start);
+  if (!output.refused && is_initializing(output)) reason.figures = figures_of(output.start);
 }
 
 std::string RunTally::summary() const {
@@ -128,14 +129,14 @@ std::string RunTally::why_no_pose() const {
 std::string found_wrong(const pl::io::Calibration& calibration, const Inspection& last) {
   if (!last.inertial) return {};
   std::string out;
-  const auto stops = [&](const char* sensor, double found, double declared, const char* unit) {
+  const auto report_full_scale = [&](const char* sensor, double found, double declared, const char* unit) {
     if (!(found < declared)) return;
-    out += format("calibration: %s_full_scale is %.4g %s, not %.4g; the run did not believe readings there\n", sensor,
+    out += format("calibration: %s_full_scale is %.4g %s, not %.4g; samples at that value count as saturated\n", sensor,
                   found, unit, declared);
   };
   const pl::ImuBufferOptions& limits = calibration.imu_limits;
-  stops("gyroscope", last.inertial->gyro_full_scale, limits.gyro_full_scale, "rad/s");
-  stops("accelerometer", last.inertial->accel_full_scale, limits.accel_full_scale, "m/s^2");
+  report_full_scale("gyroscope", last.inertial->gyro_full_scale, limits.gyro_full_scale, "rad/s");
+  report_full_scale("accelerometer", last.inertial->accel_full_scale, limits.accel_full_scale, "m/s^2");
   const double later_s = last.inertial->time_offset_s;
   if (std::abs(later_s) > std::max(1e-3, 4 * last.inertial->sigma_time_offset_s))
     out += format("calibration: time_offset_s is %.4f, not %.4f; the run corrected it\n",
@@ -143,13 +144,13 @@ std::string found_wrong(const pl::io::Calibration& calibration, const Inspection
   const char* done = last.inertial->corrects_extrinsics ? "the run corrected it" : "the run did not correct it";
   const auto differs = [&](const char* how, const pl::Vec<double, 3>& found, const pl::Vec<double, 3>& sigma,
                            double least, double unit, const char* unit_name) {
-    constexpr double doubt = 4;
-    if (!(found.norm() > least) || !((found.array().abs() > doubt * sigma.array()).any())) return;
+    constexpr double gate = 4;  // [sigma]
+    if (!(found.norm() > least) || !((found.array().abs() > gate * sigma.array()).any())) return;
     const pl::Vec<double, 3> shown = unit * found;
-    out += format("calibration: T_body_camera is %s by [%.1f %.1f %.1f] +- %.1f %s, in the axes of the body; %s\n", how,
-                  shown.x(), shown.y(), shown.z(), unit * sigma.maxCoeff(), unit_name, done);
+    out += format("calibration: T_body_camera is %s by [%.1f %.1f %.1f] +- %.1f %s, in body axes; %s\n", how, shown.x(),
+                  shown.y(), shown.z(), unit * sigma.maxCoeff(), unit_name, done);
   };
-  differs("turned", last.inertial->turned, last.inertial->sigma_turned, 0.01, degrees, "degrees");
-  differs("moved", last.inertial->moved, last.inertial->sigma_moved, 0.02, 100, "cm");
+  differs("rotated", last.inertial->turned, last.inertial->sigma_turned, 0.01, degrees, "degrees");
+  differs("translated", last.inertial->moved, last.inertial->sigma_moved, 0.02, 100, "cm");
   return out;
 }

@@ -19,8 +19,8 @@
 #include "plumbline/estimator/clock.hpp"
 #include "plumbline/estimator/estimate.hpp"
 #include "plumbline/imu/sample.hpp"
+#include "plumbline/initialization/init_report.hpp"
 #include "plumbline/io/calibration_data.hpp"
-#include "plumbline/start/start_report.hpp"
 #include "plumbline/state/health.hpp"
 
 struct FrameOutput {
@@ -28,13 +28,13 @@ struct FrameOutput {
   std::optional<plumbline::Error> refused;  ///< why the frame gave no estimate
   plumbline::FrameTiming timing;            ///< [s]
   plumbline::InitReport start;              ///< how far it has come, or what keeps it
-  bool is_rough = false;                    ///< the pose is in metres that the start has only guessed so far
+  bool is_uncertain = false;                ///< the pose is in meters that the start has only guessed so far
 
-  /// Of the pose, on the IMU's clock.
+  /// Of the pose, in IMU time.
   plumbline::TimeNs pose_ns() const { return estimate.t_ns + std::llround(1e9 * estimate.time_offset_s); }
   plumbline::HealthState health() const { return estimate.health.state; }
   bool has_pose() const { return !refused && health() != plumbline::HealthState::initializing; }
-  bool has_sound_pose() const { return has_pose() && !is_rough && health() != plumbline::HealthState::lost; }
+  bool has_sound_pose() const { return has_pose() && !is_uncertain && health() != plumbline::HealthState::lost; }
 };
 
 /// Features that the latest frame saw.
@@ -56,7 +56,7 @@ class Runner {
   virtual void add_imu(const plumbline::ImuSample& sample) = 0;
   /// `depth` is empty where there is none.
   virtual FrameOutput add_frame(plumbline::TimeNs t_ns, const cv::Mat& gray, const cv::Mat& depth) = 0;
-  /// Of the camera's clock: a frame needs the readings up to so much later.
+  /// Of the camera: a frame needs the IMU samples up to its time stamp plus this.
   virtual double time_offset_s() const = 0;
   /// Points of the present map, in world coordinates [m].
   virtual std::vector<plumbline::Vec<double, 3>> landmarks() const = 0;

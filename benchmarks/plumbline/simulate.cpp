@@ -26,7 +26,7 @@ using namespace plumbline::testing;
 namespace {
 
 constexpr TimeNs t_start_ns = 1'600'000'000'000'000'000;
-constexpr int camera_rate_hz = 20, imu_rate_hz = 200;  // frames are taken at the times of IMU readings
+constexpr int camera_rate_hz = 20, imu_rate_hz = 200;  // frames are taken at the times of IMU samples
 constexpr int imu_per_frame = imu_rate_hz / camera_rate_hz;
 constexpr int longest_drop = 7;  // [frames], which leaves 0.4 s between two images
 
@@ -100,7 +100,7 @@ std::string matrix_rows(const SE3<double>& T) {
   return out + "   0.0, 0.0, 0.0, 1.0]\n";
 }
 
-/// Inertial readings and the full state of the body at their times, in the columns of the EuRoC format.
+/// IMU samples and the full state of the body at their times, in the columns of the EuRoC format.
 struct InertialText {
   std::string imu, imu_in_seconds;
   std::string states =
@@ -109,11 +109,11 @@ struct InertialText {
       "b_w_RS_S_z [rad s^-1], b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]\n";
 };
 
-InertialText simulate_imu(const Trajectory& trajectory, const ImuQuality& quality, std::uint64_t seed, int readings) {
+InertialText simulate_imu(const Trajectory& trajectory, const ImuQuality& quality, std::uint64_t seed, int samples) {
   SimulatedImu imu(quality, seed);
   InertialText out;
-  for (int i = 0; i < readings; ++i) {
-    const SimulatedImu::Reading r = imu.next(trajectory);
+  for (int i = 0; i < samples; ++i) {
+    const SimulatedImu::Measurement r = imu.next(trajectory);
     const ImuSample s = r.sample(t_start_ns);
     const auto columns = [&](char separator) {
       std::string text;
@@ -155,7 +155,7 @@ struct Recording {
   std::vector<bool> kept = frames_kept(frames, options.drop, longest_drop, options.seed);
 
   bool has_imu() const { return options.imu != "none"; }
-  /// Of an image; truth and readings have their own.
+  /// Of an image; truth and IMU samples have their own.
   TimeNs stamp_ns(int frame) const { return frame_time_ns(frame) + std::llround(1e9 * options.late_s); }
   InertialText inertial() const { return simulate_imu(trajectory, imu, options.seed, frames * imu_per_frame + 1); }
 
@@ -205,7 +205,7 @@ void write_tum(const Recording& recording) {
       format(
           "camera:\n  model: pinhole\n  intrinsics: [%g, %g, %g, %g]        # fx fy cx cy, px\n  distortion: none\n"
           "  resolution: [%d, %d]\n  rate_hz: %d\n"
-          "depth:\n  scale: 1000                     # metres = value / scale; 0 = no measurement\n"
+          "depth:\n  scale: 1000                     # meters = value / scale; 0 = no measurement\n"
           "T_body_camera:                  # row-major 4x4, maps camera coordinates into body (= IMU) coordinates\n  ",
           camera.fx, camera.fy, camera.cx, camera.cy, imager.width, imager.height, camera_rate_hz) +
           matrix_rows(simulated_T_body_camera()) +

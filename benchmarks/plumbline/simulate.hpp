@@ -25,5 +25,5 @@ std::vector<std::string> imu_names();
 std::vector<std::string> layout_names();
 
 /// Writes the recording and shows its progress on stderr; returns the exit status 0. Throws std::runtime_error that
-/// says what is wrong in one line.
+/// has a message of one line.
 int run_simulate(const SimulateOptions& options);

@@ -56,7 +56,7 @@ Trial run_trial(const Configuration& configuration, const LoadedRecording& recor
     if (output.has_sound_pose())
       poses.push_back({output.pose_ns(), output.estimate.T_world_body, output.estimate.covariance});
   };
-  std::deque<Picture> waiting;  // for readings, where the camera's clock is behind
+  std::deque<Picture> waiting;  // for IMU samples, where the time offset is positive
   const auto use_until = [&](pl::TimeNs t_ns) {
     for (; !waiting.empty(); waiting.pop_front()) {
       if (waiting.front().t_ns + std::llround(1e9 * runner->time_offset_s()) > t_ns) return;

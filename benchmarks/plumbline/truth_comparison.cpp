@@ -73,7 +73,8 @@ TruthComparison compare_with_truth(const io::Trajectory& truth, const std::vecto
   pl::SE3<double> whole = at_first;  // where nothing moved there is no better one
   if (const auto S = io::align(pairs, gravity_is_known ? io::Alignment::posyaw : io::Alignment::se3)) {
     whole = pl::SE3<double>(S->rotation(), S->t()).inverse();
-    // True positions are good to millimetres, true attitudes to a degree: over metres they tell the heading better.
+    // True positions are accurate to millimeters, true attitudes to a degree: over meters positions determine the
+    // heading better.
     if (gravity_is_known && extent_of(pairs) > min_extent_m)
       out.heading = at_first.rotation().inverse() * whole.rotation();
   }

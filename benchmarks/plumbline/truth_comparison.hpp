@@ -1,5 +1,5 @@
 #pragma once
-/// How far poses are from the truth, and whether their covariances say so.
+/// How far poses are from the truth, and whether that is consistent with their covariances.
 
 #include <optional>
 #include <vector>
@@ -27,12 +27,12 @@ struct TruthError {
 struct TruthComparison {
   std::vector<TruthError> errors;
   /// Turns true positions to true attitudes, which may be a degree off: the heading of the first pose becomes that of
-  /// all positions. Nothing where these say little of it.
+  /// all positions. The identity where these determine it badly.
   plumbline::SO3<double> heading;
 };
 
 /// The truth is interpolated; poses without it within 0.1 s are left out. What is aligned is position and heading where
-/// `gravity_is_known`, else the whole pose. `heading`: another run's, which knows it better.
+/// `gravity_is_known`, else the whole pose. `heading`: that of another run with a better estimate.
 TruthComparison compare_with_truth(const plumbline::io::Trajectory& truth, const std::vector<EstimatedPose>& estimates,
                                    bool gravity_is_known,
                                    const std::optional<plumbline::SO3<double>>& heading = std::nullopt);

@@ -8,7 +8,7 @@ import { build } from 'esbuild';
 const here = dirname(fileURLToPath(import.meta.url));
 const data_line = '<script type="application/json" id="plumbline-data">null</script>';
 
-async function licence(name) {
+async function license(name) {
   const { version } = JSON.parse(await readFile(join(here, 'node_modules', name, 'package.json'), 'utf8'));
   return `${name} ${version}\n\n${(await readFile(join(here, 'node_modules', name, 'LICENSE'), 'utf8')).trim()}\n`;
 }
@@ -22,7 +22,7 @@ async function bundle(entry) {
     format: 'iife',
     target: 'es2020',
     charset: 'ascii',
-    legalComments: 'none',  // the licences stand whole in the page
+    legalComments: 'none',  // the page has the full licenses
   });
   return result.outputFiles[0].text.trim();
 }
@@ -30,7 +30,7 @@ async function bundle(entry) {
 const output = process.argv[2] ?? join(here, 'dist');
 await mkdir(output, { recursive: true });
 const parts = {
-  licences: (await licence('three')) + '\n' + (await licence('uplot')).trim(),
+  licenses: (await license('three')) + '\n' + (await license('uplot')).trim(),
   style: await bundle('style.css'),
 };
 for (const page of ['compare', 'debug']) {

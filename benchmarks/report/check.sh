@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the pages anew, compares them with those of dist/, and runs their tests in a headless Chromium.
+# Builds the pages, compares them with those of dist/, and runs their tests in a headless Chromium.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 

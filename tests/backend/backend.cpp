@@ -37,7 +37,7 @@ struct Frames {
   using Sensors = Visual;
   using Window = Camera::Window;
   using State = Camera::State;
-  using Link = Camera::Link;
+  using Factor = Camera::Factor;
   using Landmarks = Camera::Landmarks;
   struct Options {};
   const Window& window() const { return window_; }
@@ -46,21 +46,21 @@ struct Frames {
 static_assert(HasFrames<Frames> && !Backend<Frames>);
 static_assert(!HasFrames<Camera::Window> && !Backend<int>);
 
-// A frame of a camera is a pose and no more, and nothing ties it to others.
+// A frame of a camera is a pose and no more, without factors to others.
 static_assert(Camera::Layout::dim == state::Pose::dim && CameraAndImu::Layout::dim == InertialLayout::dim);
 static_assert(sizeof(Camera::State) == sizeof(SE3<float>));
-static_assert(std::is_empty_v<Camera::Links> && !std::is_empty_v<CameraAndImu::Links>);
+static_assert(std::is_empty_v<Camera::Factors> && !std::is_empty_v<CameraAndImu::Factors>);
 
 // Of a shutter that rolls both find the readout time; one alone that has nothing to estimate does not.
 using GlobalRig = Rig<Mono<Pinhole<double>, 64 * 64, Global>>;
 using Bundle = typename DirectGaussNewton<5>::Backend<ConstantVelocity<Visual>, Landmarks<Visual>>;
 using OfGlobal = typename SlidingWindow<5>::Backend<ConstantVelocity<GlobalRig>, Landmarks<GlobalRig>>;
-static_assert(FindsReadout<Camera> && FindsReadout<Bundle>);
-static_assert(!FindsReadout<OfGlobal> && !FindsReadout<Frames>);
+static_assert(EstimatesReadout<Camera> && EstimatesReadout<Bundle>);
+static_assert(!EstimatesReadout<OfGlobal> && !EstimatesReadout<Frames>);
 
 }  // namespace
 
-TEST_CASE("backend: knows its frames and their covariance from the first one on") {
+TEST_CASE("backend: has its frames and their covariance from the first one on") {
   const auto backend = std::make_unique<Camera>(Camera::Options{}, ConstantVelocityOptions{});
   const SE3<float> T(SO3<float>::exp({0.1f, 0.2f, 0.3f}), Vec<float, 3>(1, 2, 3));
   const int first = backend->start(7, {T});

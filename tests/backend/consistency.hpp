@@ -1,6 +1,6 @@
 #pragma once
-// What simulated runs must show of a window: that its errors are those it tells of, that they shrink with the noise,
-// and that what cannot be known stays unknown.                       docs/math/inertial_window.md, Consistency
+// Requirements of a window in simulated runs: errors consistent with the covariance and proportional to the noise, and
+// no information about what is not observable.                       docs/math/inertial_window.md, Consistency
 
 #include <cmath>
 #include <cstdint>

@@ -6,7 +6,7 @@ using namespace plumbline;
 
 using Run = test::BackendRun<DirectGaussNewton<10>, test::MonoImu, Points<90>>;
 
-TEST_CASE("direct_gauss_newton: mono-imu/points: errors are those that the covariance tells of") {
+TEST_CASE("direct_gauss_newton: mono-imu/points: errors are consistent with the covariance") {
   test::require_consistent<Run>();
 }
 

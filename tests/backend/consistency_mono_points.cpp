@@ -8,7 +8,7 @@ using namespace plumbline;
 
 using Run = test::SimulatedRun<test::MonoImu, 10, Points<90>>;
 
-TEST_CASE("sliding_window: mono-imu/points: errors are those that the covariance tells of") {
+TEST_CASE("sliding_window: mono-imu/points: errors are consistent with the covariance") {
   test::require_consistent<Run>();
 }
 

@@ -5,7 +5,7 @@ using namespace plumbline;
 
 using Run = test::SimulatedRun<test::RgbdImu, 10, Points<90>, Lines<30>>;
 
-TEST_CASE("sliding_window: rgbd-imu/points+lines: errors are those that the covariance tells of") {
+TEST_CASE("sliding_window: rgbd-imu/points+lines: errors are consistent with the covariance") {
   test::require_consistent<Run>();
 }
 

@@ -53,13 +53,13 @@ TEST_CASE("direct_gauss_newton: frames alone are about as good as frames in the 
   CHECK(std::sqrt(alone / together) < 1.3);
 }
 
-TEST_CASE("direct_gauss_newton: where it goes on after the dark is known as far as the readings tell") {
+TEST_CASE("direct_gauss_newton: after a visual outage the covariance is that of IMU-only propagation") {
   double nees = 0, worst = 0;
   constexpr int seeds = 10;
   for (int seed = 1; seed <= seeds; ++seed) {
     test::BackendRun<DirectGaussNewton<8>, test::RgbdImu, Points<90>> run{std::uint64_t(seed)};
     for (int k = 0; k < 30; ++k) run.step();
-    run.go_dark(40);               // 2 s
+    run.black_out(40);             // 2 s
     for (int k = 0; k < 3; ++k) {  // none of them a keyframe
       const test::FrameError error = run.step();
       nees += error.nees_position / (3 * seeds);

@@ -15,7 +15,7 @@ using Equations = NormalEquations<double, 15, 2>;
 
 }  // namespace
 
-TEST_CASE("extrinsics_prior: its gradient is that of its cost, and belongs to the mount alone") {
+TEST_CASE("extrinsics_prior: its gradient is that of its cost, of the extrinsics alone") {
   const ExtrinsicsPrior prior({});
   testing::Gaussian noise(1);
   for (int n = 0; n < 50; ++n) {
@@ -35,7 +35,7 @@ TEST_CASE("extrinsics_prior: its gradient is that of its cost, and belongs to th
   }
 }
 
-TEST_CASE("extrinsics_prior: a calibration without a sigma is known") {
+TEST_CASE("extrinsics_prior: a calibration without a sigma is fixed") {
   ExtrinsicsOptions known;
   known.rotation_sigma = known.position_sigma = 0;
   const auto equations = std::make_unique<Equations>();
@@ -48,7 +48,7 @@ TEST_CASE("extrinsics_prior: a calibration without a sigma is known") {
   CHECK(prior.cost(Correction::Zero()) == 0);
 }
 
-TEST_CASE("extrinsics_prior: a mount that is held stays where it is, not where it was calibrated to be") {
+TEST_CASE("extrinsics_prior: fixed extrinsics keep their estimate, not the calibration") {
   ExtrinsicsPrior prior({});
   const Correction e = 0.01 * Correction::Ones();
   const auto step = [&] {
@@ -65,7 +65,7 @@ TEST_CASE("extrinsics_prior: a mount that is held stays where it is, not where i
   CHECK(step() == free);
 }
 
-TEST_CASE("extrinsics_prior: what is right within its sigma is believed, what is plainly wrong hardly") {
+TEST_CASE("extrinsics_prior: a calibration within its sigma has full weight, a wrong one little") {
   const ExtrinsicsOptions options;
   const ExtrinsicsPrior prior(options);
   const auto information = [&](double sigmas, int axis) {

@@ -45,7 +45,7 @@ TEST_CASE("keyframe_rule: few landmarks are left, or they moved far") {
   CHECK_FALSE(rule.is_keyframe(120, 0, 0));  // none then: any landmark is more
 }
 
-TEMPLATE_TEST_CASE("keyframe_rule: of a chain the oldest goes", "", float, double) {
+TEMPLATE_TEST_CASE("keyframe_rule: with IMU factors the oldest is dropped", "", float, double) {
   Window<TestType> window = side_by_side<TestType>({0, 0.5, 0.5, 2, 3});
   CHECK(KeyframeRule::leaving(window, TestType(1), true) == 0);
   window.remove(0);
@@ -53,18 +53,18 @@ TEMPLATE_TEST_CASE("keyframe_rule: of a chain the oldest goes", "", float, doubl
   CHECK(KeyframeRule::leaving(window, TestType(1), true) == 1);
 }
 
-TEMPLATE_TEST_CASE("keyframe_rule: where frames stand close one of them goes", "", float, double) {
+TEMPLATE_TEST_CASE("keyframe_rule: of frames close together one is dropped", "", float, double) {
   using S = TestType;
   // 1 and 2 see the same; 1 is a little farther from the newest.
   CHECK(KeyframeRule::leaving(side_by_side<S>({0, 1, 1.02, 2, 3}), S(1), false) == 1);
   CHECK(KeyframeRule::leaving(side_by_side<S>({0, 1.02, 1, 2, 3}), S(1), false) == 2);
 }
 
-TEMPLATE_TEST_CASE("keyframe_rule: of frames evenly spread an inner one, far from the newest, goes", "", float,
+TEMPLATE_TEST_CASE("keyframe_rule: of frames evenly spread an inner one, far from the newest, is dropped", "", float,
                    double) {
   using S = TestType;
   const int slot = KeyframeRule::leaving(side_by_side<S>({0, 1, 2, 3, 4}), S(1), false);
-  CHECK(slot == 1);  // as crowded as 2, and farther from the newest; 0 has neighbours on one side alone
+  CHECK(slot == 1);  // as crowded as 2, and farther from the newest; 0 has neighbors on one side alone
 }
 
 TEMPLATE_TEST_CASE("keyframe_rule: the two newest stay, however close", "", float, double) {

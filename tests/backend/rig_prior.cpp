@@ -8,7 +8,7 @@
 
 using namespace plumbline;
 
-TEST_CASE("rig_prior: mount and clock are estimated, the clock unless it is known") {
+TEST_CASE("rig_prior: extrinsics and time offset are estimated, the time offset unless it is known") {
   for (const bool known : {true, false}) {
     FrameWindow<double, InertialLayout, 3> window;
     window.insert(0, {});
@@ -27,7 +27,7 @@ TEST_CASE("rig_prior: mount and clock are estimated, the clock unless it is know
 }
 
 namespace {
-/// Takes what is known of the mount.
+/// Takes the prior of the extrinsics.
 struct Equations {
   Mat<double, 6, 6> H;
   Vec<double, 6> g;
@@ -40,12 +40,12 @@ struct Equations {
 };
 }  // namespace
 
-TEST_CASE("rig_prior: while the clock is found out the mount stays where it is") {
+TEST_CASE("rig_prior: while the time offset converges the extrinsics are fixed") {
   FrameWindow<double, InertialLayout, 12> window;
   window.insert(9'900'000'000, {});
   RigPrior<InertialLayout> prior({}, {});
   prior.begin(window, SE3<double>(), {0.02, 0, false});
-  // A frame later the clock is found to be `later_s` late beyond what it was thought to be.
+  // A frame later the time offset is corrected by `later_s`.
   const auto is_held = [&](double t_s, double later_s) {
     window.insert(std::llround(1e9 * t_s), {});
     Vec<double, 12 * 15 + 7> step = Vec<double, 12 * 15 + 7>::Zero();
@@ -57,31 +57,31 @@ TEST_CASE("rig_prior: while the clock is found out the mount stays where it is")
     return equations.H(0, 0) > 1e9;
   };
   CHECK_FALSE(is_held(10.0, 0));
-  CHECK_FALSE(is_held(10.1, 0.002));  // it settles
+  CHECK_FALSE(is_held(10.1, 0.002));  // it converges
   CHECK(is_held(10.2, 0.002));
   CHECK(is_held(10.3, 0.010));
   CHECK(is_held(11.2, 0.001));
   CHECK_FALSE(is_held(11.4, 0.001));  // a second after it moved last
   CHECK(is_held(11.5, -0.010));
-  // When all begins anew nothing is in doubt.
+  // After a reset it has converged.
   window.clear();
   window.insert(11'500'000'000, {});
   prior.begin(window, SE3<double>(), {0.02, 0, false});
   CHECK_FALSE(is_held(11.6, 0));
-  // But a clock that was in doubt is found out first.
+  // But a time offset that had not converged does so first.
   window.clear();
   window.insert(12'000'000'000, {});
   prior.begin(window, SE3<double>(), {.offset_s = 0.02, .known = false, .in_doubt = true});
   CHECK(is_held(12.1, 0));
   CHECK(is_held(12.9, 0));
   CHECK_FALSE(is_held(13.1, 0));
-  // A clock that is known is no reason.
+  // A known time offset is no reason.
   window.clear();
   prior.begin(window, SE3<double>(), {0.02, 0, true});
   CHECK_FALSE(is_held(11.7, 0.02));
 }
 
-TEST_CASE("rig_prior: a clock without a sigma is known") {
+TEST_CASE("rig_prior: a time offset without a sigma is known") {
   FrameWindow<double, InertialLayout, 3> window;
   TimeOffsetOptions exact;
   exact.sigma_s = 0;
@@ -90,7 +90,7 @@ TEST_CASE("rig_prior: a clock without a sigma is known") {
   CHECK_FALSE(window.estimates_time_offset());
 }
 
-TEST_CASE("rig_prior: of a camera alone there is nothing to know") {
+TEST_CASE("rig_prior: a camera alone has none") {
   STATIC_REQUIRE(sizeof(FrameWindow<double, InertialLayout, 3>) > sizeof(FrameWindow<double, VisualLayout, 3>));
   struct With {
     int a;

@@ -2,8 +2,8 @@
 // Visual-inertial runs at the level of features, with exact truth: the backend is driven as an estimator drives it, the
 // images are replaced by what a camera on the way through a cloud of points and lines would measure.
 //
-// Every noise is that which the backend is told of: pixels, depths, IMU, biases at the start, place and heading of the
-// first keyframe, mount and clock of the camera. What comes out wrong is then the backend's own.
+// Every noise is that of the backend's options: pixels, depths, IMU, initial biases, position and heading of the
+// first keyframe, extrinsics and time offset of the camera. What comes out wrong is then the backend's own.
 //                                                                                docs/math/inertial_window.md
 
 #include <Eigen/Eigenvalues>
@@ -24,14 +24,14 @@
 #include "plumbline/frontend/flow.hpp"
 #include "plumbline/frontend/front_ends.hpp"
 #include "plumbline/frontend/line_location.hpp"
+#include "plumbline/initialization/depth.hpp"
+#include "plumbline/initialization/inertial.hpp"
 #include "plumbline/map/no_map.hpp"
 #include "plumbline/motion/inertial.hpp"
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/mono.hpp"
 #include "plumbline/sensor/rgbd.hpp"
 #include "plumbline/sensor/rig.hpp"
-#include "plumbline/start/depth.hpp"
-#include "plumbline/start/inertial.hpp"
 #include "plumbline/testing/gaussian.hpp"
 #include "plumbline/testing/rig.hpp"
 #include "plumbline/testing/simulated_imu.hpp"
@@ -104,14 +104,14 @@ class BackendRun {
     lines_.scatter(options.lines, {4, 4, 3}, testing::stream_seed(seed, 22));
     rig_.vision.camera = points_.camera;
     rig_.imu.T_body_cam = calibrated(testing::stream_seed(seed, 23));
-    while (reading_.t < first_s) reading_ = imu_.next(trajectory_);
+    while (measured_.t < first_s) measured_ = imu_.next(trajectory_);
     start(seed);
   }
 
   /// The next frame, and its errors.
   FrameError step() {
     advance();
-    const NavState<S> x = since_frame_.increment().predict(state_, backend_->links().gravity());
+    const NavState<S> x = since_frame_.increment().predict(state_, backend_->factors().gravity());
     if (temporary_slot_ >= 0) backend_->drop(*landmarks_, temporary_slot_);
     temporary_slot_ = -1;
     const bool keyframe = ++frames_ % options_.frames_per_keyframe == 0;
@@ -124,7 +124,7 @@ class BackendRun {
     if (keyframe) {
       adopt_keyframe(slot);
       if (backend_->window().full()) {
-        NoMap<S> map;
+        NoMap::Discard<S> map;
         backend_->retire(rig_, T_body_cam(), *landmarks_, backend_->window().oldest(), map);
         ++retirements_;
       }
@@ -134,11 +134,11 @@ class BackendRun {
     return out;
   }
 
-  /// Frames without images, then a keyframe of new landmarks where the readings have led: as estimator/recovery.hpp.
-  void go_dark(int frames) {
+  /// Frames without images, then a keyframe of new landmarks at the IMU-propagated pose, as in estimator/recovery.hpp.
+  void black_out(int frames) {
     for (int k = 0; k < frames; ++k) {
       advance();
-      state_ = since_frame_.increment().predict(state_, backend_->links().gravity());
+      state_ = since_frame_.increment().predict(state_, backend_->factors().gravity());
     }
     if (temporary_slot_ >= 0) backend_->drop(*landmarks_, temporary_slot_);
     temporary_slot_ = -1;
@@ -148,7 +148,7 @@ class BackendRun {
     observe(slot, true);
     adopt_keyframe(slot);
     if (!backend_->window().full()) return;
-    NoMap<S> map;
+    NoMap::Discard<S> map;
     backend_->retire(rig_, T_body_cam(), *landmarks_, backend_->window().oldest(), map);
   }
 
@@ -170,7 +170,7 @@ class BackendRun {
     return backend_->covariance_of_extrinsics(C) ? d.dot(C.inverse() * d) : std::nan("");
   }
 
-  /// Of the offset of the camera's clock, one degree of freedom.
+  /// Of the time offset of the camera, one degree of freedom.
   double nees_time_offset() const {
     double sigma_s = 0;
     const double e = backend_->window().time_offset_s(0) - time_offset_s_;
@@ -182,7 +182,7 @@ class BackendRun {
     constexpr int dim = MovingLayout::dim, at = InertialLayout::offset<state::Velocity>;
     Mat<S, dim, dim> C;
     if (!backend_->covariance_of_newest(C)) return std::nan("");
-    const Vec<double, 3> v = trajectory_.at(reading_.t + time_offset_s_).v_world_body;
+    const Vec<double, 3> v = trajectory_.at(measured_.t + time_offset_s_).v_world_body;
     const Vec<double, 3> along = state_.v_world_body.template cast<double>().normalized();
     const double e = along.dot(state_.v_world_body.template cast<double>()) - v.norm();
     return e * e / along.dot(C.template block<3, 3>(at, at).template cast<double>() * along);
@@ -211,15 +211,15 @@ class BackendRun {
   int retirements() const { return retirements_; }
   const Backend& backend() const { return *backend_; }
   const NavState<S>& state() const { return state_; }
-  const testing::SimulatedImu::Reading& truth() const { return reading_; }
+  const testing::SimulatedImu::Measurement& truth() const { return measured_; }
   Landmarks& landmarks() { return *landmarks_; }
 
  private:
   using PointSeen = PointObservation<S, Sensors::has_depth, Sensors::rolls>;
   using SegmentSeen = SegmentObservation<S, Sensors::has_depth, Sensors::rolls>;
 
-  static constexpr double first_s = 2.5;  ///< the path has left its standstill
-  static constexpr int readings_per_frame = 10;
+  static constexpr double first_s = 2.5;  ///< the path has left its stationarity
+  static constexpr int samples_per_frame = 10;
 
   static testing::ImuQuality quality(double noise) {
     testing::ImuQuality out;
@@ -227,17 +227,17 @@ class BackendRun {
     out.noise.accel_density *= noise;
     out.noise.gyro_walk *= noise;
     out.noise.accel_walk *= noise;
-    const InertialStartOptions claimed;
+    const InertialInitializerOptions claimed;
     out.gyro_bias_sigma = claimed.gyro_bias_sigma;
     out.accel_bias_sigma = claimed.accel_bias_sigma;
     return out;
   }
 
-  /// When the image was taken: its clock is not the readings', which are cut as if it were.
-  SE3<double> T_world_body() const { return trajectory_.at(reading_.t + time_offset_s_).T_world_body; }
+  /// When the image was taken: its time stamp lacks the time offset, without which the IMU samples are cut.
+  SE3<double> T_world_body() const { return trajectory_.at(measured_.t + time_offset_s_).T_world_body; }
   SE3<double> T_world_cam() const { return T_world_body() * testing::simulated_T_body_camera(); }
-  ReadingCut<S> cut() const { return {0, reading_.gyro.template cast<S>()}; }
-  /// The camera's mount as a calibration has it.
+  SampleBoundary<S> cut() const { return {0, measured_.gyro.template cast<S>()}; }
+  /// The extrinsics as a calibration has them.
   SE3<double> calibrated(std::uint64_t seed) const {
     testing::Gaussian noise(seed);
     const ExtrinsicsOptions& sigma = window_options_.extrinsics;
@@ -245,21 +245,21 @@ class BackendRun {
     off << sigma.rotation_sigma * noise.vector<3>(), sigma.position_sigma * noise.vector<3>();
     return plus(testing::simulated_T_body_camera(), off);
   }
-  /// As the backend knows it, or as it was calibrated.
+  /// As the backend estimates it, or as calibrated.
   SE3<S> T_body_cam() const { return backend_->window().T_body_cam(rig_.T_body_cam()); }
 
   /// On to the next frame's time.
   void advance() {
     const ImuNoise noise = quality(options_.noise).noise;
     since_frame_ = Preintegration<S>(noise, state_.bias_gyro, state_.bias_accel);
-    for (int i = 0; i < readings_per_frame; ++i) {
-      const testing::SimulatedImu::Reading next = imu_.next(trajectory_);
-      const ImuInterval<double> interval{next.t - reading_.t, reading_.gyro, next.gyro, reading_.accel, next.accel};
+    for (int i = 0; i < samples_per_frame; ++i) {
+      const testing::SimulatedImu::Measurement next = imu_.next(trajectory_);
+      const ImuInterval<double> interval{next.t - measured_.t, measured_.gyro, next.gyro, measured_.accel, next.accel};
       since_frame_.add(interval.template cast<S>());
-      reading_ = next;
+      measured_ = next;
     }
     since_keyframe_.append(since_frame_);
-    t_ns_ = TimeNs(reading_.t * 1e9);
+    t_ns_ = TimeNs(measured_.t * 1e9);
   }
 
   void adopt_keyframe(int slot) {
@@ -310,9 +310,9 @@ class BackendRun {
     since_keyframe_ = Preintegration<S>(quality(options_.noise).noise, state_.bias_gyro, state_.bias_accel);
   }
 
-  /// As estimator/beginning.hpp does.
+  /// As estimator/initialization.hpp does.
   void begin(auto&& state_of) {
-    const InertialStart<S, DepthStart<S>> start({});
+    const InertialInitializer<S, DepthInitializer<S>> start({});
     backend_->restart(state_of, start.prior_on_biases(), rig_.T_body_cam(), {.known = false});
   }
   void solve(double length) {
@@ -370,7 +370,7 @@ class BackendRun {
     }
   }
 
-  /// The first argument says of which kind. A point's pixel in its anchor has no noise, it defines the point.
+  /// The first argument is of its kind. A point's pixel in its anchor has no noise, it defines the point.
   PointSeen measure(const PointSeen&, std::uint32_t id, bool noisy) {
     const testing::SeenPoint seen = points_.see(T_world_cam(), id);
     PointSeen out;
@@ -432,11 +432,11 @@ class BackendRun {
   std::unique_ptr<Backend> backend_;
   std::unique_ptr<RigPyramid<Sensors>> pyramid_ = std::make_unique<RigPyramid<Sensors>>();
 
-  testing::SimulatedImu::Reading reading_{-1, {}, {}, {}, {}, {}};  ///< the latest, at the time of the frame
-  double time_offset_s_ = 0;  ///< of the camera's clock, which is taken to have none
-  ReadingCut<S> keyframe_cut_;
+  testing::SimulatedImu::Measurement measured_{-1, {}, {}, {}, {}, {}};  ///< the latest, at the time of the frame
+  double time_offset_s_ = 0;                                             ///< of the camera, whose calibration has none
+  SampleBoundary<S> keyframe_cut_;
   TimeNs t_ns_ = 0;
-  SE3<double> T_start_;  ///< what the first keyframe is believed to be
+  SE3<double> T_start_;  ///< initial estimate of the first keyframe
   NavState<S> state_;    ///< of the latest frame
   Preintegration<S> since_frame_, since_keyframe_;
   int keyframe_slot_ = 0, temporary_slot_ = -1, frames_ = 0, retirements_ = 0;

@@ -23,7 +23,7 @@ using namespace plumbline;
 
 namespace {
 
-/// A camera that looks around in a cloud of points: some centimetres and `turn` radians from keyframe to keyframe.
+/// A camera that looks around in a cloud of points: some centimeters and `turn` radians from keyframe to keyframe.
 SE3<double> pose_at(int k, double turn) {
   const double a = 0.12 * k;
   return SE3<double>(SO3<double>::exp({0, turn * k, 0}) * SO3<double>::exp({0.1 * std::sin(a), 0, 0.1 * std::cos(a)}),
@@ -43,7 +43,7 @@ struct Run {
   Sensors rig{};
   std::unique_ptr<Landmarks> landmarks = std::make_unique<Landmarks>(StoreOptions{});
   std::unique_ptr<Backend> backend;
-  SE3<double> T_start;  ///< what the first keyframe is believed to be
+  SE3<double> T_start;  ///< initial estimate of the first keyframe
   int keyframes = 0, retirements = 0;
   LevenbergMarquardtSummary summary;
 
@@ -84,7 +84,7 @@ struct Run {
   }
   void make_room() {
     if (!backend->window().full()) return;
-    NoMap<S> map;
+    NoMap::Discard<S> map;
     backend->retire(rig, {}, *landmarks, KeyframeRule::leaving(backend->window(), S(3), false), map);
     ++retirements;
   }
@@ -110,7 +110,7 @@ struct Run {
   double nees() const { return error().dot(covariance().ldlt().solve(error())); }
 
   /// Covariance of the newest pose that the first keyframe's prior alone would give, all else perfectly known: no
-  /// measurement of points tells where the whole is, so the estimate's can never be below.
+  /// measurement of points determines the pose of the whole, so the estimate's can never be below.
   Mat<double, 6, 6> covariance_of_the_whole() const {
     const SE3<double> T_newest =
         backend->window()[backend->window().newest()].state.first_estimate().T_world_body.template cast<double>();
@@ -174,8 +174,8 @@ TEST_CASE("sliding_window: the covariance does not depend on the damping of the 
   REQUIRE((run.covariance() - covariance).norm() < 1e-3 * covariance.norm());
 }
 
-TEST_CASE("sliding_window: no measurement tells where the whole is, after whatever retirements") {
-  // The prior of the first pose is wide and there is no damping to speak of, so that any other information shows.
+TEST_CASE("sliding_window: the pose of the whole is not observable, after any marginalization") {
+  // The prior of the first pose is wide and the damping is negligible, so that any other information shows.
   Run<double> run(3, 1, 0.1, 0.1, 1e-12);
   for (int k = 0; k < 40; ++k) {
     run.add_keyframes(1);
@@ -216,7 +216,7 @@ TEST_CASE("sliding_window: the same input gives the same output to the last bit"
   }
 }
 
-TEST_CASE("sliding_window: an observation that is no number is dropped, and the window goes on") {
+TEST_CASE("sliding_window: an observation that is not finite is dropped, and the window is not affected") {
   Run<double> run(4, 1);
   run.add_keyframes(4);
   const int slot = run.backend->window().newest();
@@ -260,26 +260,27 @@ struct RollingRun : Run<S> {
   double found_s = 0, sigma_s = 0.02;
 
   explicit RollingRun(std::uint64_t seed, double noise_scale) : Run<S>(seed, noise_scale) {
-    this->backend->believe_readout(0, sigma_s);
+    this->backend->set_readout_prior(0, sigma_s);
   }
   void observe_rolling(int slot) {
     using Rolling = typename Run<S>::Sensors;
     typename Rolling::Shutter::template Model<typename Rolling::Camera> shutter(this->rig.vision.camera, 480, S(0));
     shutter.set_motion((0.6 * this->noise.template vector<3>()).template cast<S>(), Vec<S, 3>::Zero(), S(0.3));
-    const auto rolled = [&](auto& x, const auto& slope) { x -= float(readout - found_s) * slope; };
+    const auto rolled = [&](auto& x, const auto& derivative) { x -= float(readout - found_s) * derivative; };
     this->landmarks->for_each([&](auto& store) {
       for (auto& landmark : store.landmarks()) {
         auto& seen = landmark.observations[std::size_t(slot)];
         if (!seen.valid) continue;
         const Vec<S, 2> uv = seen.uv.template cast<S>();
-        seen.slope.set({shutter.still(uv, S(0)).slope.by_turn.template cast<float>(), Vec<float, 2>::Zero(), 0.3f});
-        rolled(seen.uv, seen.slope.get().by_turn);
+        seen.derivative.set(
+            {shutter.still(uv, S(0)).derivative.by_rotation.template cast<float>(), Vec<float, 2>::Zero(), 0.3f});
+        rolled(seen.uv, seen.derivative.get().by_rotation);
         landmark.current = seen;
         if (landmark.anchor != slot) continue;
-        const auto slope = shutter.bearing_slope(uv, landmark.geometry.bearing, S(0));
-        landmark.geometry.slope.set({slope.by_turn, Vec<S, 3>::Zero(), S(0.3)});
-        landmark.geometry.bearing =
-            normalized(landmark.geometry.bearing - S(readout - found_s) * landmark.geometry.slope.get().by_turn);
+        const auto derivative = shutter.bearing_derivative(uv, landmark.geometry.bearing, S(0));
+        landmark.geometry.derivative.set({derivative.by_rotation, Vec<S, 3>::Zero(), S(0.3)});
+        landmark.geometry.bearing = normalized(landmark.geometry.bearing -
+                                               S(readout - found_s) * landmark.geometry.derivative.get().by_rotation);
       }
     });
   }
@@ -308,7 +309,8 @@ TEMPLATE_TEST_CASE("sliding_window: without noise the readout time of the shutte
   REQUIRE(run.error().norm() < 2e-3);
 }
 
-TEST_CASE("sliding_window: the readout time is as far off as its sigma says, frames and landmarks being unknown") {
+TEST_CASE(
+    "sliding_window: the error of the readout time is consistent with its sigma, frames and landmarks being unknown") {
   double squares = 0, worst_sigma = 0;
   const int runs = 20;
   for (int n = 0; n < runs; ++n) {

@@ -13,7 +13,7 @@ TEST_CASE("time_offset_prior: its gradient is that of its cost") {
   }
 }
 
-TEST_CASE("time_offset_prior: a calibration is no better than its sigma, and given up where it is wrong") {
+TEST_CASE("time_offset_prior: a calibration has its sigma, and little weight where it is wrong") {
   const TimeOffsetOptions options;
   const TimeOffsetPrior calibrated(options, 1e-5), found(options, 4e-3);
   CHECK(calibrated.information(0) == Approx(1 / (options.sigma_s * options.sigma_s)));

@@ -21,7 +21,8 @@ SE3<S> random_pose(testing::Gaussian& noise, double size) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("window_equations: a step of the mount is its adjoint's step of all bodies", "", float, double) {
+TEMPLATE_TEST_CASE("window_equations: a step of the extrinsics is its adjoint's step of all bodies", "", float,
+                   double) {
   using S = TestType;
   const S step = std::is_same_v<S, float> ? S(1e-3) : S(1e-5), tolerance = 20 * step * step + S(1e-6) * step;
   testing::Gaussian noise(3);
@@ -31,15 +32,15 @@ TEMPLATE_TEST_CASE("window_equations: a step of the mount is its adjoint's step 
     const SE3<S> T_anchor = random_pose<S>(noise, 1), T_target = T_anchor * random_pose<S>(noise, apart);
     const SE3<S> T_body_cam(random_pose<S>(noise, 1).rotation(), (lever * noise.vector<3>()).template cast<S>());
     const Vec<S, 6> e = step * noise.vector<6>().normalized().template cast<S>(), d = T_body_cam.adjoint() * e;
-    const RelativeView<S> by_mount(T_anchor, T_target, plus(T_body_cam, e));
+    const RelativeView<S> by_extrinsics(T_anchor, T_target, plus(T_body_cam, e));
     const RelativeView<S> by_bodies(plus(T_anchor, d), plus(T_target, d), T_body_cam);
-    const S size = 1 + by_mount.t_target_anchor().norm() + S(lever * lever);
-    CHECK((by_mount.R_target_anchor() - by_bodies.R_target_anchor()).norm() < tolerance);
-    CHECK((by_mount.t_target_anchor() - by_bodies.t_target_anchor()).norm() < tolerance * size);
+    const S size = 1 + by_extrinsics.t_target_anchor().norm() + S(lever * lever);
+    CHECK((by_extrinsics.R_target_anchor() - by_bodies.R_target_anchor()).norm() < tolerance);
+    CHECK((by_extrinsics.t_target_anchor() - by_bodies.t_target_anchor()).norm() < tolerance * size);
   }
 }
 
-TEST_CASE("window_equations: the mount changes variables, whatever was seen") {
+TEST_CASE("window_equations: the change of variables by the extrinsics holds for any observation") {
   constexpr int slots = 4, frame_dim = InertialLayout::dim, pose_dim = state::Pose::dim;
   using Window = FrameWindow<double, InertialLayout, slots>;
   using Equations = WindowEquations<Window>;
@@ -84,7 +85,7 @@ TEST_CASE("window_equations: the mount changes variables, whatever was seen") {
   CHECK((equations->normal.b() - transform.transpose() * b).norm() < 1e-9 * b.norm());
 }
 
-TEST_CASE("window_equations: without the mount nothing is changed") {
+TEST_CASE("window_equations: without extrinsics nothing is changed") {
   FrameWindow<double, InertialLayout, 3> window;
   const auto equations = std::make_unique<WindowEquations<decltype(window)>>();
   equations->begin();
@@ -95,22 +96,22 @@ TEST_CASE("window_equations: without the mount nothing is changed") {
 
 namespace {
 
-/// Two rows on two frames and the clock.
+/// Two rows on two frames and the time offset.
 struct TwoRows {
   static constexpr int frame_dim = InertialLayout::dim;
   Mat<float, 2, frame_dim> J_i, J_j;
-  Vec<float, 2> J_clock, r;
+  Vec<float, 2> J_offset, r;
 
   explicit TwoRows(testing::Gaussian& noise) {
     for (int c = 0; c < frame_dim; ++c) {
       J_i.col(c) = noise.vector<2>().cast<float>();
       J_j.col(c) = noise.vector<2>().cast<float>();
     }
-    J_clock = noise.vector<2>().cast<float>();
+    J_offset = noise.vector<2>().cast<float>();
     r = noise.vector<2>().cast<float>();
   }
   static bool active() { return true; }
-  void for_each_row(const auto&, int, auto&& take) const { take(2, J_i, 0, J_j, J_clock, r); }
+  void for_each_row(const auto&, int, auto&& take) const { take(2, J_i, 0, J_j, J_offset, r); }
 };
 struct KnowsNothing {
   void add_to(const auto&, auto&) const {}
@@ -118,8 +119,8 @@ struct KnowsNothing {
 
 }  // namespace
 
-TEST_CASE("window_equations: the clock is in links and its prior, or held") {
-  constexpr int slots = 3, frame_dim = InertialLayout::dim, clock = slots * frame_dim + state::Extrinsics::dim;
+TEST_CASE("window_equations: the time offset is in factors and its prior, or fixed") {
+  constexpr int slots = 3, frame_dim = InertialLayout::dim, offset = slots * frame_dim + state::Extrinsics::dim;
   testing::Gaussian noise(7);
   const TwoRows rows(noise);
   for (const bool estimated : {true, false}) {
@@ -128,29 +129,29 @@ TEST_CASE("window_equations: the clock is in links and its prior, or held") {
     window.estimate_extrinsics({});
     if (estimated) window.estimate_time_offset(0.01);
     Vec<double, slots* frame_dim + 7> step = Vec<double, slots * frame_dim + 7>::Zero();
-    step[clock] = 2e-3;
+    step[offset] = 2e-3;
     window.move(step);
     const auto equations = std::make_unique<WindowEquations<decltype(window)>>();
     equations->begin();
     const TimeOffsetPrior prior({}, 0);
     equations->add_time_offset(window, prior);
-    equations->add_known(window, KnowsNothing{}, rows);
+    equations->add_priors_and_factors(window, KnowsNothing{}, rows);
     const auto& H = equations->normal.H();
     const auto& b = equations->normal.b();
     CAPTURE(estimated);
     if (!estimated) {
-      CHECK(H(clock, clock) == 1);
-      CHECK(H.row(clock).head(clock).norm() == 0);
-      CHECK(b[clock] == 0);
+      CHECK(H(offset, offset) == 1);
+      CHECK(H.row(offset).head(offset).norm() == 0);
+      CHECK(b[offset] == 0);
       continue;
     }
-    const Vec<double, 2> J = rows.J_clock.cast<double>();
-    CHECK(H(clock, clock) == Approx(J.squaredNorm() + prior.information(2e-3)));
-    CHECK(b[clock] == Approx(J.dot(rows.r.cast<double>()) + 2e-3 * prior.information(2e-3)));
+    const Vec<double, 2> J = rows.J_offset.cast<double>();
+    CHECK(H(offset, offset) == Approx(J.squaredNorm() + prior.information(2e-3)));
+    CHECK(b[offset] == Approx(J.dot(rows.r.cast<double>()) + 2e-3 * prior.information(2e-3)));
     for (int c = 0; c < frame_dim; ++c) {
-      CHECK(H(clock, 2 * frame_dim + c) == Approx(J.dot(rows.J_i.col(c).cast<double>())));
-      CHECK(H(clock, c) == Approx(J.dot(rows.J_j.col(c).cast<double>())));
-      CHECK(H(clock, frame_dim + c) == 0);
+      CHECK(H(offset, 2 * frame_dim + c) == Approx(J.dot(rows.J_i.col(c).cast<double>())));
+      CHECK(H(offset, c) == Approx(J.dot(rows.J_j.col(c).cast<double>())));
+      CHECK(H(offset, frame_dim + c) == 0);
     }
   }
 }

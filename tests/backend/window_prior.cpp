@@ -96,16 +96,16 @@ struct Scene {
     A.middleCols<frame_dim>(slot * frame_dim) = J;
     b = DenseVector::Zero(Rows);
   }
-  /// Rows at the current state, of a link.
+  /// Rows at the current state, of a factor.
   template <int Rows>
-  void add_link(int i, int j) {
+  void add_factor(int i, int j) {
     const Mat<S, Rows, frame_dim> J_i = random<S, Rows, frame_dim>(), J_j = random<S, Rows, frame_dim>();
-    const Vec<S, Rows> J_clock = random<S, Rows, 1>(), r = random<S, Rows, 1>();
-    prior.add_link(i, J_i, j, J_j, J_clock, r);
+    const Vec<S, Rows> J_offset = random<S, Rows, 1>(), r = random<S, Rows, 1>();
+    prior.add_factor(i, J_i, j, J_j, J_offset, r);
     Dense J = Dense::Zero(Rows, dim);
     J.middleCols<frame_dim>(i * frame_dim) = J_i.template cast<double>();
     J.middleCols<frame_dim>(j * frame_dim) = J_j.template cast<double>();
-    if constexpr (has_time_offset<Layout>) J.col(at_time_offset) = J_clock.template cast<double>();
+    if constexpr (has_time_offset<Layout>) J.col(at_time_offset) = J_offset.template cast<double>();
     append(J, r.template cast<double>() - J * corrections());
   }
   /// Rows at the current state, of a landmark that `anchor` holds and all others see.
@@ -137,7 +137,7 @@ struct Scene {
       J.middleCols<extrinsics_dim>(at_extrinsics) =
           together * window.extrinsics().first_estimate().template cast<double>().adjoint();
     }
-    prior.add_landmark(landmark, pairs, NoSlopes{});
+    prior.add_landmark(landmark, pairs, NoReadoutDerivatives{});
     const Dense Q = orthogonal_to(J_l);
     append(Q * J, Q * (r - J * corrections()));
   }
@@ -195,12 +195,12 @@ TEMPLATE_LIST_TEST_CASE("window_prior: rows on one frame, from where it is", "",
   scene.move(0.2);
   CHECK(scene.prior.cost(scene.window) == Approx(scene.cost()));
   CHECK(scene.cost() > 0);
-  // Anew: what was known before is forgotten.
+  // Again: the previous prior is replaced.
   scene.template set<4>(0);
   scene.require_same();
 }
 
-TEMPLATE_LIST_TEST_CASE("window_prior: a frame with its links and landmarks becomes rows on those that stay", "",
+TEMPLATE_LIST_TEST_CASE("window_prior: a frame with its factors and landmarks becomes rows on those that stay", "",
                         Cases) {
   TestType scene(2);
   for (int k = 0; k < slots; ++k) {
@@ -211,7 +211,7 @@ TEMPLATE_LIST_TEST_CASE("window_prior: a frame with its links and landmarks beco
   scene.require_same();
   for (int leaving = 0; leaving < 3; ++leaving) {
     scene.prior.begin_retirement(scene.window);
-    scene.template add_link<15>(leaving, leaving + 1);
+    scene.template add_factor<15>(leaving, leaving + 1);
     for (int n = 0; n < 4; ++n) scene.template add_landmark<1>(leaving);
     if (leaving < 2) scene.template add_landmark<4>(leaving);
     scene.retire(leaving);
@@ -246,12 +246,12 @@ TEMPLATE_LIST_TEST_CASE("window_prior: one more row on two frames, whatever its 
     scene.require_same();
   }
   scene.prior.begin_retirement(scene.window);
-  scene.template add_link<15>(0, 1);
+  scene.template add_factor<15>(0, 1);
   scene.retire(0);
   scene.require_same();
 }
 
-TEMPLATE_LIST_TEST_CASE("window_prior: a freed slot is used again, by a frame that nothing is known of", "", Cases) {
+TEMPLATE_LIST_TEST_CASE("window_prior: a freed slot is used again, by a frame without a prior", "", Cases) {
   TestType scene(3);
   for (int k = 0; k < slots; ++k) scene.insert(k);
   scene.template set<6>(1);
@@ -263,12 +263,12 @@ TEMPLATE_LIST_TEST_CASE("window_prior: a freed slot is used again, by a frame th
   scene.require_same();
 }
 
-TEMPLATE_LIST_TEST_CASE("window_prior: what is known of fixes its first estimate, no other frame does", "", Cases) {
+TEMPLATE_LIST_TEST_CASE("window_prior: only frames with a prior keep their first estimate", "", Cases) {
   TestType scene(4);
   for (int k = 0; k < slots; ++k) scene.insert(k);
   scene.template set<6>(0);
   scene.prior.begin_retirement(scene.window);
-  scene.template add_link<15>(0, 1);
+  scene.template add_factor<15>(0, 1);
   scene.retire(0);
   const auto first = [&](int k) { return scene.window[k].state.first_estimate().T_world_body; };
   const auto known = first(1), unknown = first(2);
@@ -285,13 +285,13 @@ TEMPLATE_LIST_TEST_CASE("window_prior: rows that are no numbers are lost, and wi
   for (int k = 0; k < slots; ++k) scene.insert(k);
   scene.template set<6>(0);
   scene.prior.begin_retirement(scene.window);
-  scene.template add_link<15>(0, 1);
+  scene.template add_factor<15>(0, 1);
   scene.retire(0);
   scene.prior.begin_retirement(scene.window);
   Mat<S, 2, frame_dim> J;
   J.setConstant(std::numeric_limits<S>::quiet_NaN());
   const auto A = scene.A;
-  scene.prior.add_link(2, J, 3, J, Vec<S, 2>(Vec<S, 2>::Zero()), Vec<S, 2>(Vec<S, 2>::Zero()));
+  scene.prior.add_factor(2, J, 3, J, Vec<S, 2>(Vec<S, 2>::Zero()), Vec<S, 2>(Vec<S, 2>::Zero()));
   scene.retire(2);
   scene.A = A;  // frame 2 was unknown before: all stays as it is
   scene.require_same();
@@ -309,10 +309,10 @@ struct RollingScene : Scene<double, VisualLayout> {
     insert(0);
     insert(1);
     insert(2);
-    rolling.believe_readout(value, sigma);
+    rolling.set_readout_prior(value, sigma);
     rolling.set(window, 0, random<double, 6, 6>());
   }
-  struct Slopes {
+  struct Derivatives {
     Vec<double, max_rows> values;
     double operator[](int k) const { return values[k]; }
   };
@@ -324,7 +324,7 @@ struct RollingScene : Scene<double, VisualLayout> {
       landmark.reset(0);
       for (const int k : {1, 2})
         landmark.add<3>(k, random<double, 3, pose_dim>(), random<double, 3, 1>(), random<double, 3, 1>());
-      rolling.add_landmark(landmark, pairs, Slopes{100 * random<double, max_rows, 1>()});
+      rolling.add_landmark(landmark, pairs, Derivatives{100 * random<double, max_rows, 1>()});
     }
     rolling.retire(window, 0, walk_s);
   }
@@ -344,7 +344,7 @@ struct RollingScene : Scene<double, VisualLayout> {
 
 }  // namespace
 
-TEST_CASE("window_prior: what is known of the readout time, and what its change costs") {
+TEST_CASE("window_prior: the prior of the readout time, and the cost of a change") {
   RollingScene scene;
   CHECK(scene.reduced().information == Approx(1 / (scene.sigma * scene.sigma)));
   CHECK(scene.reduced().gradient == Approx(-scene.value / (scene.sigma * scene.sigma)));
@@ -353,15 +353,15 @@ TEST_CASE("window_prior: what is known of the readout time, and what its change 
   CHECK(scene.rolling.cost(scene.window) == Approx(0.5));
 }
 
-TEST_CASE("window_prior: landmarks that leave leave what they say of the readout time") {
+TEST_CASE("window_prior: marginalized landmarks leave their information about the readout time") {
   RollingScene scene, walked;
   scene.retire_first(12, 0);
   walked.retire_first(12, 0.01);
-  const ReadoutBorder after = scene.reduced(), doubted = walked.reduced();
+  const ReadoutBorder after = scene.reduced(), inflated = walked.reduced();
   CHECK(after.information > 2 / (scene.sigma * scene.sigma));
   // The estimate is the same, its variance has grown.
-  CHECK(doubted.gradient / doubted.information == Approx(after.gradient / after.information));
-  CHECK(1 / doubted.information == Approx(1 / after.information + 0.01 * 0.01));
+  CHECK(inflated.gradient / inflated.information == Approx(after.gradient / after.information));
+  CHECK(1 / inflated.information == Approx(1 / after.information + 0.01 * 0.01));
   // A change of the readout is a change of the residuals.
   const double before = scene.rolling.cost(scene.window);
   scene.rolling.set_readout(1e-3);

@@ -59,7 +59,7 @@ void check_camera(const Make& make, int width, int height, double cx, double cy,
   CHECK(worst_projection < (single ? 2e-4 : 1e-7));
   CHECK(worst_bearing < (single ? 1e-3 : 1e-7));
 
-  // A NaN anywhere is invalid, never an answer; so is the camera centre.
+  // A NaN anywhere is invalid, never an answer; so is the camera center.
   const S nan = std::numeric_limits<S>::quiet_NaN(), infinity = std::numeric_limits<S>::infinity();
   for (int i = 0; i < 3; ++i) {
     Vec<S, 3> p(S(0.1), S(-0.2), S(1));

@@ -17,7 +17,7 @@ void report(const char* text, const char* file, int line) { failure = {text, fil
 #include "catch.hpp"
 #include "plumbline/core/fixed_vector.hpp"
 
-TEST_CASE("assert: a replaced handler hears of the caller's bug, once, with its place") {
+TEST_CASE("assert: a replaced handler is called once, with file and line") {
   failure = {};
   int evaluations = 0;
   PLUMBLINE_ASSERT(++evaluations == 1);

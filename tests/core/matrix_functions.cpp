@@ -1,4 +1,4 @@
-// Functions of values against the members of Eigen that say the same.
+// Functions of values against the equivalent members of Eigen.
 #include "plumbline/core/matrix_functions.hpp"
 
 #include <Eigen/Geometry>

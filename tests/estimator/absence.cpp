@@ -1,6 +1,9 @@
-// What an estimator does not have takes no memory: no IMU, no depth, no rolling shutter, no lines, no links, no map.
+// What an estimator does not have takes no memory: no IMU, no depth, no rolling shutter, no lines, no factors, no map.
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <type_traits>
 
 #include "catch.hpp"
@@ -50,6 +53,22 @@ void for_each_combination(auto&& visit) {
   (std::make_index_sequence<16>{});
 }
 
+/// A map that counts what it is given, as many bytes as keep the alignment of what comes after it.
+struct CountingMap {
+  struct alignas(16) Counter {
+    int retired = 0, landmarks = 0;
+    std::array<std::byte, 4096> bytes{};
+
+    void retire(const auto& frame) {
+      ++retired;
+      frame.for_each_landmark([&](const auto&, const auto&) { ++landmarks; });
+    }
+    static SE3<S> T_map_odom() { return {}; }
+  };
+  template <class Sensors>
+  using Map = Counter;
+};
+
 /// Bigger by nothing when it is absent, wherever it stands.
 template <class Absent>
 struct WithAbsent {
@@ -63,13 +82,13 @@ constexpr bool is_free = std::is_empty_v<Absent> && sizeof(WithAbsent<Absent>) =
 
 TEST_CASE("absence: what stands for nothing is an empty type of its own") {
   STATIC_REQUIRE(is_free<NoImu>);
-  STATIC_REQUIRE(is_free<NoLinks>);
-  STATIC_REQUIRE(is_free<NoLink>);
-  STATIC_REQUIRE(is_free<NoMap<S>>);
+  STATIC_REQUIRE(is_free<NoFactors>);
+  STATIC_REQUIRE(is_free<NoFactor>);
+  STATIC_REQUIRE(is_free<NoMap::Discard<S>>);
   STATIC_REQUIRE(is_free<Present<Readout<S>, false>>);
   STATIC_REQUIRE(is_free<Present<InverseDepth<S>, false>>);
   STATIC_REQUIRE(is_free<Present<Vec<S, 3>, false>>);
-  STATIC_REQUIRE(is_free<DepthStart<S>>);
+  STATIC_REQUIRE(is_free<DepthInitializer<S>>);
   STATIC_REQUIRE(is_free<LandmarkTies<PartsOf<false, false, false, false>::Landmarks>>);
   STATIC_REQUIRE(is_free<LandmarkTies<PartsOf<true, true, true, true>::Landmarks>>);
 }
@@ -86,7 +105,7 @@ TEST_CASE("absence: a landmark of a global shutter without depth is its geometry
   using Deep = PointKind<RigOf<false, true, false>>;
   using Rolled = PointKind<RigOf<false, false, true>>;
   STATIC_REQUIRE(sizeof(Bare::Geometry) == 5 * sizeof(S));
-  STATIC_REQUIRE(sizeof(Rolled::Geometry) == sizeof(Bare::Geometry) + sizeof(RowSlope<S, 3>));
+  STATIC_REQUIRE(sizeof(Rolled::Geometry) == sizeof(Bare::Geometry) + sizeof(RowDerivative<S, 3>));
   struct Seen {
     bool valid;
     Vec<float, 2> pixel, uv;
@@ -114,7 +133,7 @@ TEST_CASE("absence: a frame of a camera alone is a pose, and a window of them ha
   STATIC_REQUIRE(sizeof(FrameState<S, VisualLayout>) == sizeof(Estimated<state::Pose, S>));
   // The equations of the window alone grow by the squares of 6 and 15.
   STATIC_REQUIRE(sizeof(Inertial::Backend) - sizeof(Bare::Backend) >
-                 sizeof(double) * (15 * 15 - 6 * 6) * slots * slots + sizeof(InertialLinks<S, slots>));
+                 sizeof(double) * (15 * 15 - 6 * 6) * slots * slots + sizeof(ImuFactors<S, slots>));
   STATIC_REQUIRE(sizeof(Inertial::Motion) - sizeof(Bare::Motion) > sizeof(ImuBuffer<>));
   STATIC_REQUIRE(sizeof(Bare::Motion) <= 64);
 }
@@ -168,25 +187,64 @@ TEST_CASE("absence: depth in every observation is gone with the sensor, the star
       STATIC_REQUIRE(sizeof(typename With::Landmarks) - sizeof(typename Without::Landmarks) >=
                      60 * (slots + 2) * sizeof(InverseDepth<S>));
       STATIC_REQUIRE(sizeof(typename With::Backend) > sizeof(typename Without::Backend));
-      STATIC_REQUIRE(sizeof(typename With::Start) < sizeof(typename Without::Start));
+      STATIC_REQUIRE(sizeof(typename With::Initializer) < sizeof(typename Without::Initializer));
     }
   });
 }
 
 TEST_CASE("absence: an odometry is the sum of its parts, a map that remembers nothing is none of them") {
-  struct BigMap {
-    std::byte bytes[4096];
-  };
   for_each_combination([]<bool imu, bool depth, bool rolls, bool lines>() {
     using Parts = PartsOf<imu, depth, rolls, lines>;
-    using Bare = Odometry<Parts, NoMap<S>>;
-    using Full = Odometry<Parts, BigMap>;
-    STATIC_REQUIRE(sizeof(Full) - sizeof(Bare) >= sizeof(BigMap) - 16);
+    using Bare = Odometry<Parts, NoMap::Discard<S>>;
     constexpr std::size_t parts = sizeof(typename Parts::Sensors) + sizeof(typename Bare::Options) +
                                   sizeof(RigState<typename Parts::Sensors>) +
                                   sizeof(ImagePair<typename Parts::Sensors>) + sizeof(typename Parts::Landmarks) +
                                   sizeof(typename Parts::FrontEnds) + sizeof(typename Parts::Motion) +
                                   sizeof(typename Parts::Backend) + sizeof(Estimate<S>) + sizeof(typename Bare::Pose);
     STATIC_REQUIRE(sizeof(Bare) <= parts + 512);  // alignment, the keyframe's covariance, some counters
+    // To the byte, with a map that keeps every alignment.
+    using Vio = VioOf<imu, depth, rolls, lines>;
+    using WithMap = Estimator<RigOf<imu, depth, rolls>, FeaturesOf<lines>, SlidingWindow<slots>, NoClock, CountingMap>;
+    STATIC_REQUIRE(sizeof(WithMap) == sizeof(Vio) + sizeof(typename CountingMap::Map<RigOf<imu, depth, rolls>>));
   });
+}
+
+TEST_CASE("absence: a map that is there gets every frame that leaves, and its bytes are the estimator's") {
+  using Vo = Estimator<RigOf<false, true, false>, FeaturesOf<false>, SlidingWindow<slots>, NoClock, CountingMap>;
+  RigOf<false, true, false> rig{};
+  rig.vision.camera = {130, 130, 79.5f, 63.5f, {}};
+  rig.vision.width = 160;
+  rig.vision.height = 128;
+  const auto vo = std::make_unique<Vo>(rig);
+  const auto* const map = &vo->map();
+  const auto address = [](const auto* x) { return reinterpret_cast<std::uintptr_t>(x); };
+  REQUIRE(address(map) >= address(vo.get()));
+  REQUIRE(address(map) + sizeof(*map) <= address(vo.get()) + sizeof(Vo));
+
+  // The camera goes to the left before a wall of squares, 6 px of the image a frame.
+  std::array<std::uint8_t, 160 * 128> gray;
+  std::array<std::uint16_t, 160 * 128> depth;
+  depth.fill(2000);
+  int keyframes = 0;
+  for (int i = 0; i < 60; ++i) {
+    for (int y = 0; y < 128; ++y) {
+      for (int x = 0; x < 160; ++x) {
+        const std::uint32_t square =
+            std::uint32_t((6 * i + 159 - x) / 9) * 73856093u ^ std::uint32_t(y / 9) * 19349663u;
+        gray[std::size_t(y * 160 + x)] = std::uint8_t(30 + (square * 2654435761u >> 24) * 3 / 4);
+      }
+    }
+    const TimeNs t_ns = TimeNs(50'000'000) * (i + 1);
+    const Result<Estimate<S>> estimate =
+        vo->add_frame({t_ns, {gray.data(), 160, 128, 160}, {depth.data(), 160, 128, 160}});
+    REQUIRE(estimate);
+    CAPTURE(i);
+    REQUIRE(estimate->health.state == HealthState::tracking);
+    keyframes += estimate->keyframe;
+    const auto& window = vo->backend().window();
+    REQUIRE(map->retired + window.size() == keyframes);
+  }
+  CAPTURE(keyframes);
+  REQUIRE(map->retired >= 5);
+  REQUIRE(map->landmarks > 0);
 }

@@ -8,9 +8,9 @@
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/feature/collinear.hpp"
 #include "plumbline/feature/features.hpp"
+#include "plumbline/feature/initialization_points.hpp"
 #include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"
-#include "plumbline/feature/start_points.hpp"
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/mono.hpp"
 #include "plumbline/sensor/rgbd.hpp"
@@ -30,22 +30,23 @@ using Of = Composition<Sensors, FeatureSet, SlidingWindow<4>>;
 
 }  // namespace
 
-TEST_CASE("composition: the IMU decides on the motion model, and with it on a frame's state and on links") {
+TEST_CASE("composition: the IMU decides on the motion model, and with it on a frame's state and on factors") {
   STATIC_REQUIRE(std::same_as<Of<MonoRig>::Motion, ConstantVelocity<MonoRig>>);
   STATIC_REQUIRE(std::same_as<Of<RgbdRig>::Motion, ConstantVelocity<RgbdRig>>);
   STATIC_REQUIRE(std::same_as<Of<MonoImuRig>::Motion, Inertial<MonoImuRig>>);
   STATIC_REQUIRE(std::same_as<Of<RgbdImuRig>::Motion, Inertial<RgbdImuRig>>);
   STATIC_REQUIRE(std::same_as<Of<MonoRig>::Window, FrameWindow<float, VisualLayout, 4>>);
   STATIC_REQUIRE(std::same_as<Of<MonoImuRig>::Window, FrameWindow<float, InertialLayout, 4>>);
-  STATIC_REQUIRE(std::same_as<Of<RgbdRig>::Backend::Links, NoLinks>);
-  STATIC_REQUIRE(std::same_as<Of<RgbdImuRig>::Backend::Links, InertialLinks<float, 4>>);
+  STATIC_REQUIRE(std::same_as<Of<RgbdRig>::Backend::Factors, NoFactors>);
+  STATIC_REQUIRE(std::same_as<Of<RgbdImuRig>::Backend::Factors, ImuFactors<float, 4>>);
 }
 
 TEST_CASE("composition: depth decides on the start, an IMU comes on top of it") {
-  STATIC_REQUIRE(std::same_as<Of<RgbdRig>::Start, DepthStart<float>>);
-  STATIC_REQUIRE(std::same_as<Of<MonoRig>::Start, TwoViewStart<float, UnguidedTwoView>>);
-  STATIC_REQUIRE(std::same_as<Of<RgbdImuRig>::Start, InertialStart<float, DepthStart<float>>>);
-  STATIC_REQUIRE(std::same_as<Of<MonoImuRig>::Start, InertialStart<float, TwoViewStart<float, GuidedTwoView>>>);
+  STATIC_REQUIRE(std::same_as<Of<RgbdRig>::Start, DepthInitializer<float>>);
+  STATIC_REQUIRE(std::same_as<Of<MonoRig>::Start, TwoViewInitializer<float, UnguidedTwoView>>);
+  STATIC_REQUIRE(std::same_as<Of<RgbdImuRig>::Start, InertialInitializer<float, DepthInitializer<float>>>);
+  STATIC_REQUIRE(
+      std::same_as<Of<MonoImuRig>::Start, InertialInitializer<float, TwoViewInitializer<float, GuidedTwoView>>>);
 }
 
 TEST_CASE("composition: each kind has a store of its own and the front end that the policy names") {
@@ -55,9 +56,9 @@ TEST_CASE("composition: each kind has a store of its own and the front end that 
   STATIC_REQUIRE(std::same_as<Both::Landmarks, LandmarkSet<PointStore, LineStore>>);
   STATIC_REQUIRE(std::same_as<Both::FrontEnds::Of<Points<50>>, PointFlow<PointStore>>);
   STATIC_REQUIRE(std::same_as<Both::FrontEnds::Of<Lines<20>>, EdgeFollowing<LineStore>>);
-  using Begun = Of<MonoImuRig, Features<StartPoints<60>, Lines<20>>>;
+  using Begun = Of<MonoImuRig, Features<InitializationPoints<60>, Lines<20>>>;
   using StartStore = LandmarkStore<PointKind<MonoImuRig>, 60, 4>;
-  STATIC_REQUIRE(std::same_as<Begun::FrontEnds::Of<StartPoints<60>>, StartFlow<StartStore>>);
+  STATIC_REQUIRE(std::same_as<Begun::FrontEnds::Of<InitializationPoints<60>>, InitializationFlow<StartStore>>);
 }
 
 TEST_CASE("composition: collinear features hold the points named before them, with and without lines") {
@@ -85,6 +86,6 @@ TEST_CASE("composition: the robust kernel is a part of a kind") {
 
 TEST_CASE("composition: a camera without depth starts by what relates two views") {
   STATIC_REQUIRE(Of<MonoRig>::FrontEnds::relates_two_views);
-  STATIC_REQUIRE(Of<MonoRig, Features<StartPoints<60>, Lines<20>>>::FrontEnds::relates_two_views);
+  STATIC_REQUIRE(Of<MonoRig, Features<InitializationPoints<60>, Lines<20>>>::FrontEnds::relates_two_views);
   STATIC_REQUIRE(!Of<RgbdRig, Features<Lines<20>>>::FrontEnds::relates_two_views);
 }

@@ -4,6 +4,10 @@
 #include "plumbline/estimator/estimator.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <memory>
 
 #include "catch.hpp"
@@ -47,7 +51,7 @@ double error_m(const Estimate<double>& estimate, int i) {
 
 }  // namespace
 
-TEST_CASE("estimator: follows a simulated room to centimetres, without heap") {
+TEST_CASE("estimator: follows a simulated room to centimeters, without heap") {
   const auto vio = std::make_unique<Vio>(rig());
   double worst = 0, path = 0;
   room();
@@ -135,8 +139,8 @@ TEST_CASE("estimator: after 0.6 s in the dark or without images a camera alone f
     REQUIRE(estimate->resets == 0);
     REQUIRE((estimate->health.state == HealthState::lost) == dark);
     if (dark) {  // it may have gone anywhere
-      const double blind_s = (i - first + 1) / 20.0, sigma = std::sqrt(estimate->covariance(3, 3));
-      REQUIRE(sigma == Approx(RecoveryOptions{}.lost_speed * blind_s).epsilon(0.01));
+      const double outage_s = (i - first + 1) / 20.0, sigma = std::sqrt(estimate->covariance(3, 3));
+      REQUIRE(sigma == Approx(RecoveryOptions{}.lost_speed * outage_s).epsilon(0.01));
     } else {
       REQUIRE(error_m(*estimate, i) < 0.05);
     }
@@ -163,7 +167,7 @@ TEST_CASE("estimator: a picture that repeats itself tells nothing, and does no h
 TEST_CASE("estimator: a camera that hangs is lost after a while, and begins anew when its images go on") {
   const auto vio = std::make_unique<Vio>(rig());
   for (int i = 0; i < 10; ++i) REQUIRE(vio->add_frame(frame(i)));
-  const double patience_s = RecoveryOptions{}.max_coasting_s;
+  const double patience_s = RecoveryOptions{}.max_imu_only_s;
   for (int i = 1; i <= 100; ++i) {  // 5 s
     Sensors::Frame again = frame(9);
     again.t_ns += i * TimeNs(50'000'000);
@@ -209,15 +213,41 @@ TEST_CASE("estimator: a frame without depth is used as one of a gray camera") {
   }
 }
 
-TEST_CASE("estimator: the covariance is that of the errors it makes") {
-  const auto vio = std::make_unique<Vio>(rig());
-  for (int i = 0; i < 40; ++i) {
-    const Result<Estimate<double>> estimate = vio->add_frame(frame(i));
-    REQUIRE(estimate->covariance.allFinite());
-    const Eigen::SelfAdjointEigenSolver<Mat<double, 6, 6>> eigen(estimate->covariance);
-    REQUIRE(eigen.eigenvalues().minCoeff() > -1e-12);
-    const double sigma = std::sqrt(estimate->covariance.bottomRightCorner<3, 3>().trace());
-    if (i > 0) REQUIRE(error_m(*estimate, i) < 10 * sigma + 2e-3);
-    REQUIRE(sigma < 0.05);
+TEST_CASE("estimator: the covariance is that of the errors, over five paths") {
+  // Mean NEES of position and rotation, three degrees of freedom each, over five paths through the room.
+  constexpr int seeds = 5, frames = 40, first = 5;
+  double nees_position = 0, nees_rotation = 0;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    const SimulatedRgbd world(frames, 2, 20, *testing::Trajectory::for_scene("room", std::uint64_t(seed)));
+    Vio::Options options;  // errors are those since frame 0, so the covariance must be, too
+    options.backend.sigma_first_position = options.backend.sigma_first_rotation = 1e-6;
+    options.calibration_error = 0;
+    const auto vio = std::make_unique<Vio>(rig(), options);
+    double position = 0, rotation = 0;
+    for (int i = 0; i < frames; ++i) {
+      const std::size_t k = std::size_t(i);
+      const Result<Estimate<double>> estimate =
+          vio->add_frame({world.t_ns[k], world.frames[k].gray.view(), world.frames[k].depth.view()});
+      REQUIRE(estimate);
+      const Mat<double, 6, 6>& P = estimate->covariance;
+      REQUIRE(Eigen::SelfAdjointEigenSolver<Mat<double, 6, 6>>(P).eigenvalues().minCoeff() > 0);
+      if (i < first) continue;
+      const Vec<double, 6> e = minus(world.T_world_cam[0].inverse() * world.T_world_cam[k], estimate->T_world_body);
+      const auto nees = [&](int at) {
+        const Vec<double, 3> d = e.segment<3>(at);
+        return d.dot(P.block<3, 3>(at, at).inverse() * d);
+      };
+      rotation += nees(0) / (frames - first);
+      position += nees(3) / (frames - first);
+    }
+    nees_position += position / seeds;
+    nees_rotation += rotation / seeds;
   }
+  CAPTURE(nees_position, nees_rotation);
+  // Of three degrees of freedom 3 is expected. Measured are 0.73 and 0.64: the covariance is safe, its sigmas are twice
+  // those of the errors. The bounds are a factor of 1.5 beside that.
+  CHECK(nees_position > 0.48);
+  CHECK(nees_position < 1.1);
+  CHECK(nees_rotation > 0.42);
+  CHECK(nees_rotation < 0.96);
 }

@@ -58,7 +58,7 @@ int lines_in_sight(const auto& vio) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("estimator_lines: follow a simulated room to centimetres, without heap", "", OfLines, OfBoth) {
+TEMPLATE_TEST_CASE("estimator_lines: follow a simulated room to centimeters, without heap", "", OfLines, OfBoth) {
   const auto vio = std::make_unique<TestType>(rig());
   double worst = 0, path = 0;
   room();
@@ -91,18 +91,18 @@ TEST_CASE("estimator_lines: the same input gives the same output to the last bit
   }
 }
 
-TEST_CASE("estimator_lines: dark frames are lost, frames without depth are used") {
+TEST_CASE("estimator_lines: black frames are lost, frames without depth are used") {
   const auto vio = std::make_unique<OfLines>(rig());
   const testing::Image<std::uint8_t> black(SimulatedRgbd::width, SimulatedRgbd::height);
   for (int i = 0; i < 30; ++i) {
     Sensors::Frame input = frame(i);
-    const bool dark = i >= 10 && i < 13;
-    if (dark) input.gray = black.view();
+    const bool is_black = i >= 10 && i < 13;
+    if (is_black) input.gray = black.view();
     if (i % 3 == 1) input.depth = {};
     const Result<Estimate<double>> estimate = vio->add_frame(input);
     REQUIRE(estimate);
-    REQUIRE((estimate->health.state == HealthState::lost) == dark);
+    REQUIRE((estimate->health.state == HealthState::lost) == is_black);
     REQUIRE(estimate->resets == 0);
-    if (!dark) REQUIRE(error_m(*estimate, i) < 0.03);
+    if (!is_black) REQUIRE(error_m(*estimate, i) < 0.03);
   }
 }

@@ -33,21 +33,16 @@ using Sensors = Rig<Mono<AnyCamera<double>, 752 * 480>, Imu>;
 using Vio = Estimator<Sensors, Features<Points<250>>, SlidingWindow<10>>;
 
 const std::filesystem::path flight = std::filesystem::path(PLUMBLINE_TEST_DATA) / "euroc_mh01_flight";
-bool no_data() {
-  if (std::filesystem::exists(flight)) return false;
-  WARN("recording euroc_mh01_flight not found; nothing tested");
-  return true;
-}
 
 struct Trouble {
-  /// Changes a reading at `t` [s] of the recording; false takes it away.
+  /// Changes a sample at `t` [s] of the recording; false removes it.
   std::function<bool(double t, ImuSample&)> imu = [](double, ImuSample&) { return true; };
   /// The same for an image.
   std::function<bool(double t, cv::Mat&)> image = [](double, cv::Mat&) { return true; };
-  SE3<double> T_cam_wrong;    ///< turns the camera's extrinsics
-  double camera_clock_s = 0;  ///< added to the time of every image
-  double noise_scale = 1;     ///< of the readings, in what is said of them
-  std::size_t shuffled = 1;   ///< so many readings come together, in any order
+  SE3<double> T_cam_wrong;     ///< turns the camera's extrinsics
+  double camera_offset_s = 0;  ///< added to the time of every image
+  double noise_scale = 1;      ///< of the stated sample noise
+  std::size_t shuffled = 1;    ///< so many samples are added together, in any order
   double duration_s = 14;
 };
 
@@ -71,19 +66,19 @@ struct Flight {
     const auto vio = std::make_unique<Vio>(rig);
     const TimeNs start = recording.frames().front().t_ns;
     const auto shown_at = [&](const io::FrameSample& frame) {
-      return frame.t_ns + static_cast<TimeNs>(trouble.camera_clock_s * 1e9);
+      return frame.t_ns + static_cast<TimeNs>(trouble.camera_offset_s * 1e9);
     };
-    std::deque<io::FrameSample> waiting;  // for the readings up to their time
+    std::deque<io::FrameSample> waiting;  // for the IMU samples up to their time
     constexpr TimeNs patience_ns = 30'000'000;
     TimeNs read_until = 0;
     Random random(1);
     std::vector<ImuSample> together;
     io::Recording::Sample sample;
     while (recording.next(sample)) {
-      if (const ImuSample* reading = std::get_if<ImuSample>(&sample)) {
-        read_until = reading->t_ns;
-        ImuSample changed = *reading;
-        if (trouble.imu(seconds_between(start, reading->t_ns), changed)) together.push_back(changed);
+      if (const ImuSample* imu = std::get_if<ImuSample>(&sample)) {
+        read_until = imu->t_ns;
+        ImuSample changed = *imu;
+        if (trouble.imu(seconds_between(start, imu->t_ns), changed)) together.push_back(changed);
         if (together.size() >= trouble.shuffled) {
           for (std::uint32_t i = std::uint32_t(together.size()); i > 1; --i)
             std::swap(together[i - 1], together[random.below(i)]);
@@ -143,8 +138,8 @@ bool during(double t, double from, double to) { return t >= from && t < to; }
 
 }  // namespace
 
-TEST_CASE("inertial_estimator: a flight that begins in the air") {
-  if (no_data()) return;
+TEST_CASE("inertial_estimator: initialization in flight", "[data]") {
+  if (skip_without(flight)) return;
   const Flight run({});
   CAPTURE(run.ate(0, 14));
   REQUIRE(run.init.stage == InitStage::done);
@@ -156,8 +151,8 @@ TEST_CASE("inertial_estimator: a flight that begins in the air") {
   REQUIRE((run.estimates.back().bias_gyro - Vec<double, 3>(-0.002, 0.021, 0.077)).norm() < 0.005);
 }
 
-TEST_CASE("inertial_estimator: images that stop coming") {
-  if (no_data()) return;
+TEST_CASE("inertial_estimator: images that stop coming", "[data]") {
+  if (skip_without(flight)) return;
   const double pause = GENERATE(0.5, 3.0);
   Trouble trouble;
   trouble.image = [pause](double t, cv::Mat&) { return !during(t, 6, 6 + pause); };
@@ -169,26 +164,26 @@ TEST_CASE("inertial_estimator: images that stop coming") {
   REQUIRE(whole < (pause < 1 ? 0.15 : 0.6));  // no jump of the frame
 }
 
-TEST_CASE("inertial_estimator: black images for a blink of the lamp leave no trace") {
-  if (no_data()) return;
-  const double dark_s = GENERATE(0.2, 0.3, 0.5);
+TEST_CASE("inertial_estimator: a few black images leave no trace", "[data]") {
+  if (skip_without(flight)) return;
+  const double outage_s = GENERATE(0.2, 0.3, 0.5);
   Trouble trouble;
-  trouble.image = [dark_s](double t, cv::Mat& image) {
-    if (during(t, 6, 6 + dark_s)) image.setTo(0);
+  trouble.image = [outage_s](double t, cv::Mat& image) {
+    if (during(t, 6, 6 + outage_s)) image.setTo(0);
     return true;
   };
   const Flight run(trouble);
-  CAPTURE(dark_s, run.ate(0, 14));
+  CAPTURE(outage_s, run.ate(0, 14));
   REQUIRE(run.ate(0, 14) < 0.10);  // that of the whole flight
-  REQUIRE(run.part(HealthState::tracking, 6 + dark_s + 0.5, 14) == 1);
+  REQUIRE(run.part(HealthState::tracking, 6 + outage_s + 0.5, 14) == 1);
 }
 
-TEST_CASE("inertial_estimator: a gyroscope whose bias jumps") {
-  if (no_data()) return;
+TEST_CASE("inertial_estimator: a gyroscope whose bias jumps", "[data]") {
+  if (skip_without(flight)) return;
   const double step = GENERATE(0.05, 0.3);
   Trouble trouble;
-  trouble.imu = [step](double t, ImuSample& reading) {
-    if (t >= 6) reading.gyro.x() += step;
+  trouble.imu = [step](double t, ImuSample& sample) {
+    if (t >= 6) sample.gyro.x() += step;
     return true;
   };
   const Flight run(trouble);
@@ -198,8 +193,8 @@ TEST_CASE("inertial_estimator: a gyroscope whose bias jumps") {
   REQUIRE(run.part(HealthState::tracking, 10, 14) > 0.95);
 }
 
-TEST_CASE("inertial_estimator: a camera that hangs") {
-  if (no_data()) return;
+TEST_CASE("inertial_estimator: images that are repeated", "[data]") {
+  if (skip_without(flight)) return;
   Trouble trouble;
   cv::Mat last;
   trouble.image = [&last](double t, cv::Mat& image) {
@@ -214,8 +209,8 @@ TEST_CASE("inertial_estimator: a camera that hangs") {
   REQUIRE(run.part(HealthState::tracking, 8, 14) > 0.95);
 }
 
-TEST_CASE("inertial_estimator: two seconds of black images are bridged, and said to be") {
-  if (no_data()) return;
+TEST_CASE("inertial_estimator: two seconds of black images are bridged by the IMU and marked as degraded", "[data]") {
+  if (skip_without(flight)) return;
   Trouble trouble;
   trouble.image = [](double t, cv::Mat& image) {
     if (during(t, 6, 8)) image.setTo(0);
@@ -230,8 +225,8 @@ TEST_CASE("inertial_estimator: two seconds of black images are bridged, and said
   REQUIRE(whole < 0.4);
 }
 
-TEST_CASE("inertial_estimator: readings out of order, all before their frame, change nothing") {
-  if (no_data()) return;
+TEST_CASE("inertial_estimator: samples out of order, all before their frame, change nothing", "[data]") {
+  if (skip_without(flight)) return;
   Trouble trouble;
   trouble.duration_s = 5;
   const Flight in_order(trouble);
@@ -248,21 +243,21 @@ TEST_CASE("inertial_estimator: readings out of order, all before their frame, ch
   }
 }
 
-TEST_CASE("inertial_estimator: readings that are missing, repeated, late, NaN or saturated") {
-  if (no_data()) return;
+TEST_CASE("inertial_estimator: samples that are missing, repeated, late, NaN or saturated", "[data]") {
+  if (skip_without(flight)) return;
   const int kind = GENERATE(0, 1, 2, 3, 4, 5);
   Trouble trouble;
   int count = 0;
   TimeNs before = 0;
-  trouble.imu = [kind, &count, &before](double t, ImuSample& reading) {
+  trouble.imu = [kind, &count, &before](double t, ImuSample& sample) {
     const bool third = ++count % 3 == 0;
     if (kind == 0) return !during(t, 6, 6.2);
-    if (kind == 1 && during(t, 6, 7) && third) reading.t_ns = before;        // repeats a time
-    if (kind == 4 && during(t, 6, 7) && third) reading.t_ns -= 163'000'000;  // as if it came long after its frame
-    before = reading.t_ns;
-    if (kind == 2 && during(t, 6, 6.1)) reading.accel.setConstant(std::nan(""));
-    if (kind == 3 && during(t, 6, 6.3)) reading.gyro.setConstant(1e3), reading.accel.setConstant(-1e3);
-    if (kind == 5 && during(t, 6, 7)) reading.accel.z() = 1e3;
+    if (kind == 1 && during(t, 6, 7) && third) sample.t_ns = before;        // repeats a time
+    if (kind == 4 && during(t, 6, 7) && third) sample.t_ns -= 163'000'000;  // as if it came long after its frame
+    before = sample.t_ns;
+    if (kind == 2 && during(t, 6, 6.1)) sample.accel.setConstant(std::nan(""));
+    if (kind == 3 && during(t, 6, 6.3)) sample.gyro.setConstant(1e3), sample.accel.setConstant(-1e3);
+    if (kind == 5 && during(t, 6, 7)) sample.accel.z() = 1e3;
     return true;
   };
   const Flight run(trouble);
@@ -281,14 +276,14 @@ TEST_CASE("inertial_estimator: readings that are missing, repeated, late, NaN or
   }
 }
 
-TEST_CASE("inertial_estimator: readings of another body end in a new beginning") {
-  if (no_data()) return;
+TEST_CASE("inertial_estimator: samples of another body end in a reset", "[data]") {
+  if (skip_without(flight)) return;
   Trouble trouble;
   trouble.duration_s = 26;
-  trouble.imu = [](double t, ImuSample& reading) {
+  trouble.imu = [](double t, ImuSample& sample) {
     if (during(t, 5, 9)) {
-      reading.gyro = -2 * reading.gyro;
-      std::swap(reading.accel.y(), reading.accel.z());
+      sample.gyro = -2 * sample.gyro;
+      std::swap(sample.accel.y(), sample.accel.z());
     }
     return true;
   };
@@ -301,11 +296,12 @@ TEST_CASE("inertial_estimator: readings of another body end in a new beginning")
   REQUIRE(run.part(HealthState::tracking, 25, 26) == 1);
 }
 
-TEST_CASE("inertial_estimator: a start that readings contradict while it settles was none") {
-  if (no_data()) return;
+TEST_CASE("inertial_estimator: an initialization inconsistent with the IMU is rejected by scale verification",
+          "[data]") {
+  if (skip_without(flight)) return;
   Trouble trouble;
-  trouble.imu = [](double t, ImuSample& reading) {
-    if (during(t, 2, 3)) reading.gyro = -2 * reading.gyro;
+  trouble.imu = [](double t, ImuSample& sample) {
+    if (during(t, 2, 3)) sample.gyro = -2 * sample.gyro;
     return true;
   };
   trouble.duration_s = 20;
@@ -318,7 +314,7 @@ TEST_CASE("inertial_estimator: a start that readings contradict while it settles
   CHECK(reset_s > 2.4);
   CHECK(reset_s < 3.2);
   CHECK(reset->health.state == HealthState::lost);
-  // Of the way so far nothing is known, the body may have moved by a metre a second; its heading is the gyroscope's.
+  // Of the way so far nothing is known, the body may have moved by a meter a second; its heading is the gyroscope's.
   CHECK(std::sqrt(reset->covariance(3, 3)) > 1);
   CHECK(std::sqrt(reset->covariance(2, 2)) > 0.02);
   CHECK(run.estimates.back().resets == 1);
@@ -327,8 +323,8 @@ TEST_CASE("inertial_estimator: a start that readings contradict while it settles
   CHECK(run.part(HealthState::tracking, 17, 20) == 1);
 }
 
-TEST_CASE("inertial_estimator: as long as readings tell the scale badly it is uncertain") {
-  if (no_data()) return;
+TEST_CASE("inertial_estimator: the scale is uncertain as long as it is badly observable", "[data]") {
+  if (skip_without(flight)) return;
   Trouble trouble;
   const bool bad = GENERATE(false, true);
   if (bad) trouble.noise_scale = 30;
@@ -338,8 +334,8 @@ TEST_CASE("inertial_estimator: as long as readings tell the scale badly it is un
   if (bad) CHECK(run.estimates.back().health.reason == HealthReason::scale_uncertain);
 }
 
-TEST_CASE("inertial_estimator: a camera mounted otherwise than said is not believed") {
-  if (no_data()) return;
+TEST_CASE("inertial_estimator: wrong extrinsics are detected", "[data]") {
+  if (skip_without(flight)) return;
   Trouble trouble;
   trouble.T_cam_wrong = SE3<double>(SO3<double>::exp({0, 0, 1.5708}), Vec<double, 3>::Zero());
   trouble.duration_s = 8;
@@ -349,8 +345,8 @@ TEST_CASE("inertial_estimator: a camera mounted otherwise than said is not belie
   REQUIRE(run.part(HealthState::tracking, 0, 8) == 0);
 }
 
-TEST_CASE("inertial_estimator: a camera mounted degrees and decimetres otherwise than said is found") {
-  if (no_data()) return;
+TEST_CASE("inertial_estimator: an error of the extrinsics of degrees and decimeters is estimated", "[data]") {
+  if (skip_without(flight)) return;
   const bool wrong = GENERATE(false, true);
   Trouble trouble;
   if (wrong) trouble.T_cam_wrong = SE3<double>(SO3<double>::exp({0.03, -0.02, 0.03}), {-0.15, 0.1, 0.1});
@@ -363,25 +359,26 @@ TEST_CASE("inertial_estimator: a camera mounted degrees and decimetres otherwise
   REQUIRE(run.ate(0, 14) < 0.13);
 }
 
-TEST_CASE("inertial_estimator: a camera clock that is 15 ms off is corrected") {
-  if (no_data()) return;
+TEST_CASE("inertial_estimator: a time offset of 15 ms is corrected", "[data]") {
+  if (skip_without(flight)) return;
   Trouble trouble;
-  trouble.camera_clock_s = GENERATE(-0.015, 0.015);
+  trouble.camera_offset_s = GENERATE(-0.015, 0.015);
   const Flight run(trouble);
   const double found_s = run.estimates.back().time_offset_s;
-  CAPTURE(trouble.camera_clock_s, found_s, run.ate(0, 14));
-  REQUIRE(std::abs(found_s + trouble.camera_clock_s) < 3e-3);
-  const auto begun = std::find_if(run.estimates.begin(), run.estimates.end(),
-                                  [&](const auto& x) { return x.t_ns == run.init.done_ns; });
-  REQUIRE(begun != run.estimates.end());
-  CAPTURE(1e-9 * double(begun->t_ns) - run.begin_s, begun->time_offset_s, run.init.rejected);
-  REQUIRE(std::abs(begun->time_offset_s + trouble.camera_clock_s) < 6e-3);  // its scale is one of that clock
+  CAPTURE(trouble.camera_offset_s, found_s, run.ate(0, 14));
+  REQUIRE(std::abs(found_s + trouble.camera_offset_s) < 3e-3);
+  const auto initialized = std::find_if(run.estimates.begin(), run.estimates.end(),
+                                        [&](const auto& x) { return x.t_ns == run.init.done_ns; });
+  REQUIRE(initialized != run.estimates.end());
+  CAPTURE(1e-9 * double(initialized->t_ns) - run.begin_s, initialized->time_offset_s, run.init.rejected);
+  REQUIRE(std::abs(initialized->time_offset_s + trouble.camera_offset_s) <
+          6e-3);  // its scale is one with that time offset
   REQUIRE(run.part(HealthState::tracking, 10, 14) > 0.9);
   REQUIRE(run.ate(0, 14) < 0.15);
 }
 
-TEST_CASE("inertial_estimator: a texture that moves over half of the image") {
-  if (no_data()) return;
+TEST_CASE("inertial_estimator: a texture that moves over half of the image", "[data]") {
+  if (skip_without(flight)) return;
   Trouble trouble;
   trouble.image = [](double t, cv::Mat& image) {
     if (!during(t, 6, 9)) return true;
@@ -397,7 +394,8 @@ TEST_CASE("inertial_estimator: a texture that moves over half of the image") {
   const double after = run.ate(9.5, 14), whole = run.ate(0, 14);
   CAPTURE(after, whole);
   REQUIRE(run.part(HealthState::lost, 0, 14) == 0);
-  REQUIRE(run.part(HealthState::tracking, 12, 14) > 0.95);  // a gyroscope that images contradict is in doubt for 3 s
+  REQUIRE(run.part(HealthState::tracking, 12, 14) >
+          0.95);  // a gyroscope inconsistent with the images is suspect for 3 s
   REQUIRE(after < 0.15);
   REQUIRE(whole < 0.3);
 }

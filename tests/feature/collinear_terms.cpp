@@ -1,4 +1,4 @@
-// What ties points to lines in a window, with exact truth at the level of observations.
+// Rows of points and their lines in a window, with exact truth at the level of observations.
 #include "plumbline/feature/collinear_terms.hpp"
 
 #include <memory>
@@ -139,13 +139,13 @@ TEMPLATE_TEST_CASE("collinear_terms: points come to lie on their lines", "", flo
   REQUIRE(largest < 0.001);
 }
 
-TEST_CASE("collinear_terms: a point that its pixels say little of is placed by its line") {
+TEST_CASE("collinear_terms: a point with weak observations is located by its line") {
   Scene<double> scene;
   auto& point = scene.store->landmarks()[1];  // the middle one of the first line
   for (auto& seen : point.observations) seen.L *= 1e-3f;
   const double truth = point.geometry.inverse_range;
   point.geometry.inverse_range *= 1.2;
-  const auto settle = [&] {
+  const auto optimize = [&] {
     for (int iteration = 0; iteration < 6; ++iteration) {
       scene.linearize();
       scene.step(0);
@@ -153,16 +153,16 @@ TEST_CASE("collinear_terms: a point that its pixels say little of is placed by i
   };
   SECTION("with its line") {
     scene.terms->choose(*scene.lines, *scene.store, scene.views);
-    settle();
+    optimize();
     REQUIRE(std::abs(point.geometry.inverse_range / truth - 1) < 0.003);
   }
-  SECTION("a line that it is far from says nothing") {
+  SECTION("a distant line has no weight") {
     point.geometry.inverse_range = 1.6 * truth;
     scene.terms->choose(*scene.lines, *scene.store, scene.views);
     const double others = scene.linearize();
     point.geometry.inverse_range = 1.7 * truth;
     REQUIRE(std::abs(scene.terms->cost(*scene.lines, *scene.store, scene.views)) < 1e-3 + others);
-    settle();
+    optimize();
     REQUIRE(point.geometry.inverse_range > 0);
   }
 }
@@ -177,7 +177,7 @@ TEST_CASE("collinear_terms: a point at a corner counts for the nearer line") {
   REQUIRE(scene.terms->cost(*scene.lines, *scene.store, scene.views) < 1e-6);
 }
 
-TEST_CASE("collinear_terms: who is beside the line three times is released") {
+TEST_CASE("collinear_terms: a point off the line three times is released") {
   Scene<double> scene;
   scene.store->landmarks()[2].geometry.inverse_range *= 1.3;
   const auto& members = scene.lines->landmarks()[0].appearance.points;

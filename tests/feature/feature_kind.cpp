@@ -32,8 +32,8 @@ struct WithoutLength : Points {
  private:
   static void rescale(Geometry&, float) {}
 };
-struct SettlesNothing : Points {
-  static void settle(Geometry&, const Observation&, const Mat<float, 1, 1>*) {}  // does not say what became of it
+struct VerifiesNothing : Points {
+  static void set_covariance(Geometry&, const Observation&, const Mat<float, 1, 1>*) {}  // returns no bool
 };
 struct NotInTheWorld : Points {
  private:
@@ -47,13 +47,13 @@ struct Cautious : Points {
 
 static_assert(!KindOfLandmark<WithoutDimension> && !FeatureKind<WithoutDimension>);
 static_assert(KindOfLandmark<WithoutLength> && !HasGeometry<WithoutLength> && !FeatureKind<WithoutLength>);
-static_assert(!HasGeometry<SettlesNothing> && !FeatureKind<SettlesNothing>);
+static_assert(!HasGeometry<VerifiesNothing> && !FeatureKind<VerifiesNothing>);
 static_assert(HasGeometry<NotInTheWorld> && !HasMotionRows<NotInTheWorld> && !FeatureKind<NotInTheWorld>);
 static_assert(!FeatureKind<Pinhole<float>> && !FeatureKind<float>);
 
 }  // namespace
 
-TEST_CASE("feature_kind: a kind inherits what it does not say itself") {
+TEST_CASE("feature_kind: a kind inherits defaults") {
   STATIC_REQUIRE(FeatureKind<Cautious>);
   REQUIRE(Cautious::pixel_loss.weight(4.0f) < Points::pixel_loss.weight(4.0f));
 }

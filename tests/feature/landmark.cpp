@@ -33,7 +33,7 @@ constexpr bool grows_with_the_sensors =
     size_of<Kind, RgbdRolling>;
 static_assert(grows_with_the_sensors<PointsOf> && grows_with_the_sensors<LinesOf>);
 
-/// Nor does an IMU: it says nothing about a landmark.
+/// Nor does an IMU: it does not observe landmarks.
 static_assert(size_of<PointsOf, MonoGlobal> == size_of<PointsOf, Rig<Mono<Camera, 64 * 64, Global>, Imu>>);
 static_assert(size_of<LinesOf, RgbdRolling> == size_of<LinesOf, Rig<Rgbd<Camera, 64 * 64, Rolling>, Imu>>);
 
@@ -43,7 +43,7 @@ static_assert(sizeof(Landmark<PointKind<MonoGlobal>, 10>) - sizeof(Landmark<Poin
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("landmark: takes part when it is located and tied to another frame than its anchor", "",
+TEMPLATE_TEST_CASE("landmark: takes part when it is located and observed by another frame than its anchor", "",
                    PointKind<MonoGlobal>, LineKind<RgbdRolling>) {
   Landmark<TestType, 4> landmark;
   REQUIRE(landmark.observation_count() == 0);

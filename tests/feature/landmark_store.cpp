@@ -68,7 +68,7 @@ TEMPLATE_TEST_CASE("landmark_store: a landmark begins with an id of its own, anc
   REQUIRE(added.id == 4);
 }
 
-TEMPLATE_TEST_CASE("landmark_store: a store that is not full forgets nobody", "", KINDS) {
+TEMPLATE_TEST_CASE("landmark_store: a store that is not full drops no landmark", "", KINDS) {
   using Store = Small<TestType>;
   Store store{StoreOptions{}};
   auto first = landmark<Store>(false, 9), second = landmark<Store>(true);
@@ -114,9 +114,9 @@ TEMPLATE_TEST_CASE("landmark_store: only what may be of use again is kept", "", 
     return !store.landmarks().empty();
   };
   REQUIRE(keeps(true, false, 1, options.max_misses + 1));  // in sight
-  REQUIRE(keeps(false, true, 2, options.max_misses));      // ties two frames, may come back
+  REQUIRE(keeps(false, true, 2, options.max_misses));      // relates two frames, may come back
   REQUIRE_FALSE(keeps(false, true, 2, options.max_misses + 1));
-  REQUIRE_FALSE(keeps(false, true, 1, 0));   // one frame ties nothing
+  REQUIRE_FALSE(keeps(false, true, 1, 0));   // seen by one frame
   REQUIRE_FALSE(keeps(false, false, 3, 0));  // lost before it was known
 }
 
@@ -157,7 +157,7 @@ TEMPLATE_TEST_CASE("landmark_store: a frame is recorded, rejected from, and undo
   for (const auto& each : store.landmarks()) REQUIRE(same(each.current, each.observations[3]));
   store.begin_frame();
   REQUIRE(store.rejected().empty());
-  store.lose_sight();
+  store.clear_current();
   REQUIRE(store.seen_count() == 0);
   REQUIRE(store.landmarks().size() == 6);
   store.undo_frame();

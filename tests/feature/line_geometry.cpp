@@ -31,7 +31,7 @@ TEST_CASE("line_geometry: the extent follows what another camera sees of the lin
   }
 }
 
-TEMPLATE_TEST_CASE("line_geometry: the line turns with the bearings of its anchor, by the slope that is told", "",
+TEMPLATE_TEST_CASE("line_geometry: the line rotates with the bearings of its anchor, by the given derivative", "",
                    float, double) {
   using S = TestType;
   const SeenLines<S> scene(12, 0);
@@ -39,10 +39,10 @@ TEMPLATE_TEST_CASE("line_geometry: the line turns with the bearings of its ancho
     const S step = std::is_same_v<S, float> ? S(1e-2) : S(1e-4);
     const LineGeometry<S>& line = landmark.geometry;
     const auto& seen = landmark.seen_by_anchor();
-    Vec<S, 6> slope = line.slope(seen.pixels.measured, seen.by_readout());
+    Vec<S, 6> derivative = line.derivative(seen.pixels.measured, seen.by_readout());
     auto longer = line, shorter = line;
-    longer.change(Vec<S, 6>(step * slope));
-    shorter.change(Vec<S, 6>(-step * slope));
+    longer.change(Vec<S, 6>(step * derivative));
+    shorter.change(Vec<S, 6>(-step * derivative));
     const auto normalized = [](const Line3<S>& x) {
       const Plucker<S> plucker = x.plucker();
       Vec<S, 6> out;
@@ -51,9 +51,9 @@ TEMPLATE_TEST_CASE("line_geometry: the line turns with the bearings of its ancho
     };
     // Only the line counts, not the scale of its coordinates: compare what has length one.
     const Vec<S, 6> x = normalized(line.line);
-    slope -= x * x.dot(slope);
+    derivative -= x * x.dot(derivative);
     const Vec<S, 6> numeric = (normalized(longer.line) - normalized(shorter.line)) / (2 * step);
-    REQUIRE((numeric - slope).norm() < S(std::is_same_v<S, float> ? 1e-3 : 1e-7));
+    REQUIRE((numeric - derivative).norm() < S(std::is_same_v<S, float> ? 1e-3 : 1e-7));
     // Without noise the anchor's endpoints stay on the line.
     auto turned = seen;
     turned.change_readout(step);
@@ -61,16 +61,16 @@ TEMPLATE_TEST_CASE("line_geometry: the line turns with the bearings of its ancho
   }
 }
 
-TEST_CASE("line_geometry: a line that its anchor does not see has no slope") {
+TEST_CASE("line_geometry: a line that its anchor does not see has no derivative") {
   const SeenLines<double> scene(1);
   const auto& landmark = scene.store->landmarks()[0];
   LineReprojection<double> behind = landmark.seen_by_anchor().pixels.measured;
   behind.bearing_start *= -1;
   behind.bearing_end *= -1;
-  REQUIRE(landmark.geometry.slope(behind, landmark.seen_by_anchor().by_readout()).isZero(0));
+  REQUIRE(landmark.geometry.derivative(behind, landmark.seen_by_anchor().by_readout()).isZero(0));
   LineReprojection<double> point = landmark.seen_by_anchor().pixels.measured;
   point.bearing_end = point.bearing_start;
-  REQUIRE(landmark.geometry.slope(point, landmark.seen_by_anchor().by_readout()).isZero(0));
+  REQUIRE(landmark.geometry.derivative(point, landmark.seen_by_anchor().by_readout()).isZero(0));
 }
 
 TEST_CASE("line_geometry: a line is sound while its distance is known and its anchor sees it") {

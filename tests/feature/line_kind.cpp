@@ -26,7 +26,7 @@ using RgbdLines = SeenLines<S, Rig<Rgbd<Pinhole<S>, 64 * 64>>>;
 template <class S>
 using MonoLines = SeenLines<S, Rig<Mono<Pinhole<S>, 64 * 64>>>;
 
-// Of a rig with a global shutter no slopes.
+// Of a rig with a global shutter no derivatives.
 static_assert(sizeof(MonoLines<double>::Kind::InWorld) < sizeof(RgbdLines<double>::Kind::InWorld));
 static_assert(MonoLines<float>::Kind::rows_per_view == 2 && RgbdLines<float>::Kind::rows_per_view == 4);
 
@@ -47,7 +47,7 @@ struct Scene : Lines {
       Vec<double, 4> error;
       error << 0.006 * noise.vector<3>(), 0.004 * noise();
       landmark.geometry.line = landmark.geometry.line.plus(Vec<S, 4>(error.template cast<S>()));
-      if (i % 3 == 2) landmark.observations[3].forget_depth();
+      if (i % 3 == 2) landmark.observations[3].clear_depth();
     }
   }
   RelativeView<S> view(int anchor, int target) const {
@@ -90,8 +90,8 @@ TEMPLATE_TEST_CASE("line_kind: rows in the window are those of the residuals, wh
   }
 }
 
-TEMPLATE_TEST_CASE("line_kind: rows of the anchor, and what ties others to it", "", RgbdLines<float>, RgbdLines<double>,
-                   MonoLines<double>) {
+TEMPLATE_TEST_CASE("line_kind: rows of the anchor, and of the relation to others", "", RgbdLines<float>,
+                   RgbdLines<double>, MonoLines<double>) {
   using Kind = typename TestType::Kind;
   using S = typename Kind::Scalar;
   const Scene<TestType> scene;
@@ -112,7 +112,7 @@ TEMPLATE_TEST_CASE("line_kind: rows of the anchor, and what ties others to it", 
     REQUIRE(Kind::cost_in_anchor(typename Kind::InAnchor(landmark.geometry), seen) ==
             Approx(cost).epsilon(tolerance<S>));
 
-    Kind::add_anchor_tie(line, seen, tie);  // the pixels alone
+    Kind::add_anchor_pixels(line, seen, tie);  // the pixels alone
     REQUIRE(tie.rows() == 2);
     REQUIRE(difference(tie.J_landmark, J) < tolerance<S>);
     Kind::add_damping(damping);  // sigma = 1 on each angle
@@ -133,26 +133,26 @@ TEMPLATE_TEST_CASE("line_kind: what does not fit is dropped, and depth by itself
                              scene.T_body_cam.template cast<S>());
   const auto original = landmark.observations[3];
   auto seen = original;
-  Kind::keep_fitting(scene.rig, line, seen, view);
+  Kind::reject_outliers(scene.rig, line, seen, view);
   REQUIRE((seen.valid && seen.has_depth()));
   auto depth = original.depth.get();
   depth.measured.inverse_depth_measured[1] += S(0.2);
   seen.depth.set(depth);
-  Kind::keep_fitting(scene.rig, line, seen, view);
+  Kind::reject_outliers(scene.rig, line, seen, view);
   REQUIRE((seen.valid && !seen.has_depth()));
   seen = original;
   seen.pixels.measured.bearing_end = (seen.pixels.measured.bearing_end + Vec<S, 3>(S(0.1), S(-0.1), 0)).normalized();
-  Kind::keep_fitting(scene.rig, line, seen, view);
+  Kind::reject_outliers(scene.rig, line, seen, view);
   REQUIRE_FALSE(seen.valid);
 
   seen = landmark.seen_by_anchor();  // the anchor's own pixels stay
   seen.pixels.measured.bearing_end = (seen.pixels.measured.bearing_end + Vec<S, 3>(S(0.1), S(-0.1), 0)).normalized();
-  Kind::keep_fitting_in_anchor(line, seen);
+  Kind::reject_outliers_in_anchor(line, seen);
   REQUIRE(seen.valid);
   depth = landmark.seen_by_anchor().depth.get();
   depth.measured.inverse_depth_measured[1] += S(0.2);
   seen.depth.set(depth);
-  Kind::keep_fitting_in_anchor(line, seen);
+  Kind::reject_outliers_in_anchor(line, seen);
   REQUIRE_FALSE(seen.has_depth());
 }
 
@@ -172,7 +172,7 @@ TEMPLATE_TEST_CASE("line_kind: what no frame can see has a cost and no rows", ""
   REQUIRE(rows.rows() == 0);
   REQUIRE(Kind::add_anchor(line, seen, rows) > 50);
   REQUIRE(rows.rows() == 0);
-  Kind::keep_fitting(scene.rig, typename Kind::InAnchor(landmark.geometry), seen, view);
+  Kind::reject_outliers(scene.rig, typename Kind::InAnchor(landmark.geometry), seen, view);
   REQUIRE_FALSE(seen.valid);
 }
 
@@ -223,10 +223,10 @@ TEMPLATE_TEST_CASE("line_kind: what becomes of a landmark after an optimization"
   auto geometry = scene.store->landmarks()[0].geometry;
   const auto& seen = scene.store->landmarks()[0].seen_by_anchor();
   const Mat<S, 4, 4> covariance = S(1e-5) * Mat<S, 4, 4>::Identity(), unknown = S(10) * Mat<S, 4, 4>::Identity();
-  REQUIRE(Kind::settle(geometry, seen, &covariance));
+  REQUIRE(Kind::set_covariance(geometry, seen, &covariance));
   REQUIRE(geometry.covariance == covariance);
-  REQUIRE_FALSE(Kind::settle(geometry, seen, nullptr));
-  REQUIRE_FALSE(Kind::settle(geometry, seen, &unknown));  // its distance is open
+  REQUIRE_FALSE(Kind::set_covariance(geometry, seen, nullptr));
+  REQUIRE_FALSE(Kind::set_covariance(geometry, seen, &unknown));  // its distance is unknown
 }
 
 TEST_CASE("line_kind: geometry") {
@@ -251,7 +251,7 @@ TEST_CASE("line_kind: geometry") {
     auto unseen = seen;
     unseen.valid = false;
     turned = line;
-    Kind::change_readout(turned, unseen, 0.01);  // nothing tells how
+    Kind::change_readout(turned, unseen, 0.01);  // by no derivative
     REQUIRE(minus(turned.line, line.line).norm() < 1e-12);
   }
 }

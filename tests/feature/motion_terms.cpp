@@ -88,16 +88,16 @@ TEMPLATE_TEST_CASE("motion_terms: the pose's equations are the sum of the residu
   REQUIRE(double(system.cost()) == Approx(double(cost)).epsilon(double(tolerance)));
 }
 
-TEMPLATE_TEST_CASE("motion_terms: a landmark in doubt weighs less, never more", "", SCENES) {
+TEMPLATE_TEST_CASE("motion_terms: an uncertain landmark weighs less, never more", "", SCENES) {
   using Seen = TestType;
   using S = typename Scene<Seen>::S;
   Scene<Seen> scene(1);
-  const auto information = [&](S doubt) {
+  const auto information = [&](S sigma) {
     auto& geometry = scene.landmarks()[0].geometry;
     if constexpr (requires { geometry.sigma_inverse_range; }) {
-      geometry.sigma_inverse_range = doubt;
+      geometry.sigma_inverse_range = sigma;
     } else {
-      geometry.covariance = doubt * doubt * Mat<S, 4, 4>::Identity();
+      geometry.covariance = sigma * sigma * Mat<S, 4, 4>::Identity();
     }
     scene.collect();
     DenseNormalEquations<S, 6> system;
@@ -117,7 +117,7 @@ TEMPLATE_TEST_CASE("motion_terms: only located landmarks that the latest frame s
   scene.collect();
   REQUIRE(scene.terms->size() == 6);
   REQUIRE(gate(scene, scene.body(scene.T_latest()), typename Scene<TestType>::S(1000)) == 6);
-  REQUIRE(scene.landmarks()[2].current.valid);  // nobody asked it
+  REQUIRE(scene.landmarks()[2].current.valid);  // it was not used
 }
 
 TEMPLATE_TEST_CASE("motion_terms: what does not fit leaves the frame and is on record", "", SCENES) {

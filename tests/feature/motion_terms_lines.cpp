@@ -1,4 +1,4 @@
-// What lines say about one frame: information and gradient against numeric derivatives and a plain inverse of the
+// Terms of lines in one frame: information and gradient against numeric derivatives and a plain inverse of the
 // covariance (docs/math/line.md (29)), the readout's column, and the gate.
 
 #include <cmath>
@@ -84,7 +84,7 @@ TEMPLATE_TEST_CASE("motion_terms (lines): information, gradient and cost are tho
   using S = TestType;
   const double tolerance = std::is_same_v<S, float> ? 2e-2 : 1e-5;
   Scene<S> scene(10);
-  scene.store->landmarks()[1].current.forget_depth();
+  scene.store->landmarks()[1].current.clear_depth();
   scene.store->landmarks()[2].located = false;
   scene.store->landmarks()[3].current.valid = false;
   scene.collect();
@@ -121,7 +121,7 @@ TEST_CASE("motion_terms (lines): exact lines give the exact pose, and the gate l
   REQUIRE(gate(scene, scene.body(T), 13.8) == 12);
 }
 
-TEST_CASE("motion_terms (lines): the gate rejects what does not fit and scales the rest") {
+TEST_CASE("motion_terms (lines): the gate rejects outliers and scales the inliers") {
   Scene<double> scene(12, 3);  // three times the noise that is claimed
   for (auto& landmark : scene.store->landmarks()) landmark.geometry.covariance.setZero();
   auto& wrong = scene.store->landmarks()[4].current;

@@ -1,4 +1,4 @@
-// What points say about one frame: information and gradient against numeric derivatives and a plain inverse of the
+// Terms of points in one frame: information and gradient against numeric derivatives and a plain inverse of the
 // covariance (docs/math/point.md (10)), and the gate.
 
 #include <Eigen/LU>

@@ -26,7 +26,7 @@ using RgbdKind = PointKind<Rig<Rgbd<Pinhole<S>, 64 * 64>>>;
 template <class S>
 using MonoKind = PointKind<Rig<Mono<Pinhole<S>, 64 * 64>>>;
 
-// Of a rig with a global shutter no slopes.
+// Of a rig with a global shutter no derivatives.
 static_assert(sizeof(MonoKind<float>::Geometry) == 5 * sizeof(float));
 static_assert(sizeof(RgbdKind<float>::Geometry) == 12 * sizeof(float));
 static_assert(sizeof(MonoKind<double>::InWorld) < sizeof(RgbdKind<double>::InWorld));
@@ -119,7 +119,7 @@ TEMPLATE_TEST_CASE("point_kind: the depth measured in the anchor", "", float, do
   REQUIRE(rows.J_landmark(0, 0) == Approx(double(lin.J_r_lambda(0) / S(0.005))).epsilon(1e-4));
   REQUIRE(cost == Approx(rows.r[0] * rows.r[0] / 2).epsilon(1e-4));
   REQUIRE(Kind::cost_in_anchor(s.point, s.seen) == cost);
-  Kind::add_anchor_tie(s.point, s.seen, rows);  // nothing that others could lean on
+  Kind::add_anchor_pixels(s.point, s.seen, rows);  // nothing that others could lean on
   Kind::add_damping(rows);
   REQUIRE(rows.rows() == 1);
   s.seen.depth.set({});
@@ -140,13 +140,13 @@ TEMPLATE_TEST_CASE("point_kind: what no frame can see has a cost and no rows, an
   REQUIRE(rows.rows() == 0);
   REQUIRE(cost > 50);
   REQUIRE(Kind::cost(s.rig, s.point, s.seen, behind) == cost);
-  Kind::keep_fitting(s.rig, s.point, s.seen, s.view);
+  Kind::reject_outliers(s.rig, s.point, s.seen, s.view);
   REQUIRE(s.seen.valid);
-  Kind::keep_fitting(s.rig, s.point, s.seen, behind);
+  Kind::reject_outliers(s.rig, s.point, s.seen, behind);
   REQUIRE_FALSE(s.seen.valid);
   s.seen.valid = true;
   s.seen.uv.x() += 30;
-  Kind::keep_fitting(s.rig, s.point, s.seen, s.view);
+  Kind::reject_outliers(s.rig, s.point, s.seen, s.view);
   REQUIRE_FALSE(s.seen.valid);
 }
 
@@ -200,16 +200,16 @@ TEMPLATE_TEST_CASE("point_kind: geometry", "", RgbdKind<float>, RgbdKind<double>
   point.inverse_range = S(0.5);
   REQUIRE((Kind::middle(point) - Vec<S, 3>(0, S(1.2), S(1.6))).norm() < S(1e-6));
   REQUIRE(Kind::inverse_range(point) == S(0.5));
-  REQUIRE(Kind::settle(point, {}, nullptr));
+  REQUIRE(Kind::set_covariance(point, {}, nullptr));
   REQUIRE(point.sigma_inverse_range == 0);
   const Mat<S, 1, 1> covariance(S(0.04));
-  REQUIRE(Kind::settle(point, {}, &covariance));
+  REQUIRE(Kind::set_covariance(point, {}, &covariance));
   REQUIRE(point.sigma_inverse_range == Approx(0.2));
   Kind::rescale(point, S(4));
   REQUIRE((Kind::middle(point) - Vec<S, 3>(0, S(4.8), S(6.4))).norm() < S(1e-5));
   REQUIRE(point.sigma_inverse_range == Approx(0.05));
 
-  point.slope.set({Vec<S, 3>(2, 0, 0)});
+  point.derivative.set({Vec<S, 3>(2, 0, 0)});
   Kind::change_readout(point, {}, S(0.01));
   REQUIRE(point.bearing.norm() == Approx(1));
   REQUIRE(point.bearing.x() == Approx(Kind::Sensors::rolls ? 0.02 : 0.0).margin(1e-5));

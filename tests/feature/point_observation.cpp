@@ -20,7 +20,7 @@ struct Plain {
   Mat<float, 2, 2> L;
 };
 
-// A rig without depth keeps none, one with a global shutter no slopes.
+// A rig without depth keeps none, one with a global shutter no derivatives.
 static_assert(sizeof(Seen<float, false, false>) == sizeof(Plain<float>));
 static_assert(sizeof(Seen<double, false, false>) == sizeof(Plain<float>));
 static_assert(sizeof(Seen<float, false, true>) > sizeof(Seen<float, false, false>));
@@ -46,23 +46,24 @@ TEST_CASE("point_observation: what slides along an edge does not count along it"
   REQUIRE((L * Vec<float, 2>(0, 1)).norm() < 0.11f);
 }
 
-TEMPLATE_TEST_CASE("point_observation: a longer readout moves the pixel along its slope, the image's pixel not at all",
-                   "", float, double) {
+TEMPLATE_TEST_CASE(
+    "point_observation: a longer readout moves the pixel along its derivative, the image's pixel not at all", "", float,
+    double) {
   using S = TestType;
   Seen<S, true, true> rolling;
   rolling.pixel = rolling.uv = Vec<float, 2>(100, 50);
-  rolling.slope.set({Vec<float, 2>(30, -20), Vec<float, 2>(20, 0), 0.5f});
+  rolling.derivative.set({Vec<float, 2>(30, -20), Vec<float, 2>(20, 0), 0.5f});
   rolling.change_readout(S(0.01));
   REQUIRE((rolling.uv - Vec<float, 2>(100.4f, 49.8f)).norm() < 1e-4f);
   REQUIRE(rolling.place() == Vec<float, 2>(100, 50));
   rolling.rescale(S(2));
   rolling.set_inverse_range(S(0.5), S(0.02));  // twice as near
   REQUIRE((rolling.uv - Vec<float, 2>(100.6f, 49.8f)).norm() < 1e-4f);
-  REQUIRE(rolling.slope.get().by_readout() == Vec<float, 2>(50, -20));
+  REQUIRE(rolling.derivative.get().by_readout() == Vec<float, 2>(50, -20));
 
   Seen<S, true, false> still;
   still.uv = Vec<float, 2>(100, 50);
-  still.slope.set({Vec<float, 2>(40, -20), Vec<float, 2>(20, 0), 0.5f});
+  still.derivative.set({Vec<float, 2>(40, -20), Vec<float, 2>(20, 0), 0.5f});
   still.change_readout(S(0.01));
   still.set_inverse_range(S(1), S(0.02));
   REQUIRE(still.uv == Vec<float, 2>(100, 50));

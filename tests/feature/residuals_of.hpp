@@ -36,7 +36,7 @@ void for_each_view_residual(LineKind<Sensors>, const Sensors&, const LineGeometr
   visit(AnchoredLineInverseDepth<S>{depth.measured}.linearize(view, line.line), depth.L, loss);
 }
 
-/// Gives visit(linearization, L, kernel) of what the latest frame measured, the landmark being given without doubt.
+/// Gives visit(linearization, L, kernel) of what the latest frame measured, the landmark being exact.
 template <class Sensors, class S>
 void for_each_world_residual(PointKind<Sensors>, const Sensors& rig, const typename PointKind<Sensors>::Geometry& point,
                              const typename PointKind<Sensors>::Observation& seen, const SE3<S>& T_world_anchor,

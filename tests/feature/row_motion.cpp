@@ -23,14 +23,14 @@ struct One {
   void for_each(auto&& visit) { visit(store); }
 };
 
-/// Seen at what was the middle of the frame, and brought there as the shutter says.
+/// Seen at what was the middle of the frame, and corrected to it by the shutter motion.
 template <class S>
 void bring_to_middle(auto& seen, const auto& shutter) {
   seen.pixel = seen.uv;
   const auto still = shutter.still(seen.pixel.template cast<S>(), S(1 / range));
   seen.uv = still.uv.template cast<float>();
-  seen.slope.set({still.slope.by_turn.template cast<float>(), still.slope.by_shift.template cast<float>(),
-                  float(still.slope.inverse_range)});
+  seen.derivative.set({still.derivative.by_rotation.template cast<float>(),
+                       still.derivative.by_translation.template cast<float>(), float(still.derivative.inverse_range)});
 }
 
 template <class Scene, class S = typename Scene::Kind::Scalar>
@@ -70,7 +70,8 @@ TEMPLATE_TEST_CASE("row_motion: points are where the motion that is found brings
       if (landmark.anchor != slot) continue;
       auto& point = landmark.geometry;
       point.bearing = scene.rig.vision.camera.unproject(seen.uv.template cast<S>()).bearing;
-      point.slope.set(thought.shutter.bearing_slope(seen.pixel.template cast<S>(), point.bearing, S(1 / range)));
+      point.derivative.set(
+          thought.shutter.bearing_derivative(seen.pixel.template cast<S>(), point.bearing, S(1 / range)));
     }
     const auto before = landmarks.store.landmarks();
     set_motion(landmarks, slot, found, S(readout));
@@ -80,7 +81,7 @@ TEMPLATE_TEST_CASE("row_motion: points are where the motion that is found brings
       const auto still = found.shutter.still(seen.pixel.template cast<S>(), S(1 / range));
       const double off = (was.observations[std::size_t(slot)].uv.template cast<S>() - still.uv).norm();
       CHECK((seen.uv.template cast<S>() - still.uv).norm() < 0.05 * off + 0.02);
-      CHECK((seen.slope.get().by_turn.template cast<S>() - still.slope.by_turn).norm() < 1e-3 * 500);
+      CHECK((seen.derivative.get().by_rotation.template cast<S>() - still.derivative.by_rotation).norm() < 1e-3 * 500);
       CHECK(landmark.observations[1].uv == was.observations[1].uv);
       if (landmark.anchor == slot) {
         const Vec<S, 3> bearing = scene.rig.vision.camera.unproject(still.uv).bearing;
@@ -137,10 +138,10 @@ TEMPLATE_TEST_CASE("row_motion: lines turn with both ends of what their anchor s
     const auto &landmark = landmarks.store.landmarks()[i], &was = before[i];
     const auto &seen = landmark.observations[1], &was_seen = was.observations[1];
     const auto &ends = seen.pixels.measured, &were = was_seen.pixels.measured;
-    const RowSlope<S, 3> thought = was_seen.slopes.get()[1],
-                         slope = found.shutter.bearing_slope(seen.segment.end.template cast<S>(), were.bearing_end,
-                                                             thought.inverse_range);
-    const Vec<S, 3> change = S(readout) * (slope.by_readout() - thought.by_readout());
+    const RowDerivative<S, 3> thought = was_seen.derivatives.get()[1],
+                              derivative = found.shutter.bearing_derivative(seen.segment.end.template cast<S>(),
+                                                                            were.bearing_end, thought.inverse_range);
+    const Vec<S, 3> change = S(readout) * (derivative.by_readout() - thought.by_readout());
     CHECK((ends.bearing_end - normalized(were.bearing_end + change)).norm() < 1e-6);
     if (landmark.anchor > 1) continue;
     ++anchored;

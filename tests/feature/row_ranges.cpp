@@ -16,10 +16,10 @@ constexpr double readout = 0.03, wrong = 0.1;  // [s], [1/m]: everything was tak
 /// An observation in the middle of the frame, as it was brought there from a row of the camera moving with `velocity`,
 /// taken to see what is `1/wrong` away; exact is what it is where it is known how far away it is.
 template <class S>
-void misplace(PointObservation<S, true, true>& seen, const Vec<double, 3>& p_cam) {
-  const Vec<float, 2> by_shift(60, -40);
-  seen.uv -= float(readout * (1 / p_cam.norm() - wrong)) * by_shift;
-  seen.slope.set({Vec<float, 2>::Zero(), by_shift, float(wrong)});
+void perturb_extrinsics(PointObservation<S, true, true>& seen, const Vec<double, 3>& p_cam) {
+  const Vec<float, 2> by_translation(60, -40);
+  seen.uv -= float(readout * (1 / p_cam.norm() - wrong)) * by_translation;
+  seen.derivative.set({Vec<float, 2>::Zero(), by_translation, float(wrong)});
 }
 template <class S>
 Vec<S, 3> shift_of(const Vec<S, 3>& bearing) {
@@ -27,9 +27,9 @@ Vec<S, 3> shift_of(const Vec<S, 3>& bearing) {
   return tau_velocity - tau_velocity.dot(bearing) * bearing;
 }
 template <class S>
-void misplace(Vec<S, 3>& bearing, RowSlope<S, 3>& slope, S range) {
-  slope = {Vec<S, 3>::Zero(), shift_of(bearing), S(wrong)};
-  bearing = normalized(bearing - S(readout) * (1 / range - S(wrong)) * slope.by_shift);
+void perturb_extrinsics(Vec<S, 3>& bearing, RowDerivative<S, 3>& derivative, S range) {
+  derivative = {Vec<S, 3>::Zero(), shift_of(bearing), S(wrong)};
+  bearing = normalized(bearing - S(readout) * (1 / range - S(wrong)) * derivative.by_translation);
 }
 
 template <class S>
@@ -45,12 +45,12 @@ TEMPLATE_TEST_CASE("row_ranges: points that rows saw from where the camera then 
   for (auto& landmark : landmarks) {
     for (int k = 0; k < Scene::used; ++k) {
       auto& seen = landmark.observations[std::size_t(k)];
-      if (seen.valid) misplace(seen, scene.points.see(scene.T_world_cam(k), landmark.id).p_cam);
+      if (seen.valid) perturb_extrinsics(seen, scene.points.see(scene.T_world_cam(k), landmark.id).p_cam);
     }
     landmark.current = landmark.observations[Scene::used - 1];
-    RowSlope<S, 3> slope;
-    misplace(landmark.geometry.bearing, slope, 1 / landmark.geometry.inverse_range);
-    landmark.geometry.slope.set(slope);
+    RowDerivative<S, 3> derivative;
+    perturb_extrinsics(landmark.geometry.bearing, derivative, 1 / landmark.geometry.inverse_range);
+    landmark.geometry.derivative.set(derivative);
   }
   landmarks[5].located = false;
   const SE3<S> T_world_body = scene.window.T_world_body(Scene::used - 1),
@@ -70,7 +70,7 @@ TEMPLATE_TEST_CASE("row_ranges: points that rows saw from where the camera then 
     const auto &point = landmarks[i].geometry, &truth = exact.store->landmarks()[i].geometry;
     CHECK(double((point.bearing - truth.bearing).norm()) < tolerance<S>);
     CHECK(point.bearing.norm() == Approx(1));
-    CHECK(point.slope.get().inverse_range == point.inverse_range);
+    CHECK(point.derivative.get().inverse_range == point.inverse_range);
   }
   CHECK(error(landmarks[5].observations[1], 5, 1) > 0.1);  // it has no place in space
 }
@@ -84,10 +84,11 @@ TEMPLATE_TEST_CASE("row_ranges: both ends of lines, with what was measured along
     for (int k = int(i) % 2; k < Scene::used; ++k) {
       auto& seen = landmarks[i].observations[std::size_t(k)];
       const SE3<double> T_cam_world = scene.T_world_cam(k).inverse();
-      typename Scene::Observation::Slopes slopes;
-      misplace(seen.pixels.measured.bearing_start, slopes[0], S((T_cam_world * scene.p_world[i]).norm()));
-      misplace(seen.pixels.measured.bearing_end, slopes[1], S((T_cam_world * scene.q_world[i]).norm()));
-      seen.slopes.set(slopes);
+      typename Scene::Observation::Derivatives derivatives;
+      perturb_extrinsics(seen.pixels.measured.bearing_start, derivatives[0],
+                         S((T_cam_world * scene.p_world[i]).norm()));
+      perturb_extrinsics(seen.pixels.measured.bearing_end, derivatives[1], S((T_cam_world * scene.q_world[i]).norm()));
+      seen.derivatives.set(derivatives);
     }
     landmarks[i].current = landmarks[i].observations[Scene::used - 1];
   }

@@ -24,7 +24,7 @@ inline Mat<double, 2, 2> depth_covariance() {
 }
 
 /// A segment with endpoints p, q [camera] as it is measured: `noise_scale` times its sigma off, and claiming that
-/// sigma. Of depth and slopes an Observation keeps what it has.
+/// sigma. Of depth and derivatives an Observation keeps what it has.
 template <class Observation>
 Observation observe_segment(const Pinhole<double>& camera, const Vec<double, 3>& p, const Vec<double, 3>& q,
                             double noise_scale, testing::Gaussian& noise) {
@@ -47,12 +47,12 @@ Observation observe_segment(const Pinhole<double>& camera, const Vec<double, 3>&
   out.segment = {start.cast<float>(), end.cast<float>(), 20};
   const Vec<double, 2> inverse_depth(1 / p.z() + off_z[0], 1 / q.z() + off_z[1]);
   out.set_depth(inverse_depth.cast<S>(), depth_covariance().cast<S>());
-  typename Observation::Slopes slopes;
+  typename Observation::Derivatives derivatives;
   for (std::size_t i = 0; i < 2; ++i) {
     const Vec<double, 3>& bearing = i == 0 ? pixels.bearing_start : pixels.bearing_end;
-    slopes[i].by_turn = (0.3 * Vec<double, 3>(0.2, -0.5, 0.4).cross(bearing)).template cast<S>() * S(i + 1);
+    derivatives[i].by_rotation = (0.3 * Vec<double, 3>(0.2, -0.5, 0.4).cross(bearing)).template cast<S>() * S(i + 1);
   }
-  out.slopes.set(slopes);
+  out.derivatives.set(derivatives);
   return out;
 }
 

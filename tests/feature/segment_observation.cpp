@@ -25,7 +25,7 @@ struct Plain {
   SegmentMeasurement<LineReprojection<S>> pixels;
 };
 
-// A rig without depth keeps none, one with a global shutter no slopes.
+// A rig without depth keeps none, one with a global shutter no derivatives.
 static_assert(sizeof(Seen<float, false, false>) == sizeof(Plain<float>));
 static_assert(sizeof(Seen<double, false, false>) == sizeof(Plain<double>));
 static_assert(sizeof(Seen<float, false, true>) > sizeof(Seen<float, false, false>));
@@ -48,8 +48,9 @@ TEST_CASE("segment_observation: the endpoint covariance is that of fits to noisy
     LineMoments<double> moments;
     for (int k = 0; k < peaks; ++k) moments.add(100 * ((k + 0.5) / peaks - 0.5), 0.5 * noise());
     const FittedLine line = moments.line();
-    const double slope = line.direction.y() / line.direction.x(), middle = line.mean.y() - slope * line.mean.x();
-    const Vec<double, 2> ends(middle - 50 * slope, middle + 50 * slope);
+    const double derivative = line.direction.y() / line.direction.x(),
+                 middle = line.mean.y() - derivative * line.mean.x();
+    const Vec<double, 2> ends(middle - 50 * derivative, middle + 50 * derivative);
     sampled += ends * ends.transpose() / fits;
   }
   const Mat<double, 2, 2> expected = endpoint_covariance(0, 0.5f, peaks).cast<double>();
@@ -98,7 +99,7 @@ TEMPLATE_TEST_CASE("segment_observation: depth belongs to the rays through the e
     const auto depth = seen.depth.get().measured;
     REQUIRE((depth.m_start - pixels.bearing_start / pixels.bearing_start.z()).norm() < S(1e-6));
     REQUIRE((depth.m_end - pixels.bearing_end / pixels.bearing_end.z()).norm() < S(1e-6));
-    seen.forget_depth();
+    seen.clear_depth();
     REQUIRE_FALSE(seen.has_depth());
     seen.pixels.measured.bearing_end.z() = S(-0.1);  // no depth behind the camera
     seen.set_depth(Vec<S, 2>(S(0.5), S(0.5)), Mat<S, 2, 2>::Identity());
@@ -120,9 +121,9 @@ TEMPLATE_TEST_CASE("segment_observation: bearings and rays turn with the readout
     auto after = before;
     after.change_readout(step);
     const auto &x = before.pixels.measured, &y = after.pixels.measured;
-    const Mat<S, 3, 2> slope = before.by_readout();
-    REQUIRE((y.bearing_start - x.bearing_start - step * slope.col(0)).norm() < S(2e-6));
-    REQUIRE((y.bearing_end - x.bearing_end - step * slope.col(1)).norm() < S(2e-6));
+    const Mat<S, 3, 2> derivative = before.by_readout();
+    REQUIRE((y.bearing_start - x.bearing_start - step * derivative.col(0)).norm() < S(2e-6));
+    REQUIRE((y.bearing_end - x.bearing_end - step * derivative.col(1)).norm() < S(2e-6));
     REQUIRE(y.bearing_start.norm() == Approx(1));
     const auto depth = after.depth.get().measured;
     REQUIRE((depth.m_start - y.bearing_start / y.bearing_start.z()).norm() < S(1e-6));

@@ -178,10 +178,10 @@ TEMPLATE_TEST_CASE("window_terms: in the end what is left is linearized", "", SC
   scene.terms->finish(scene.rig, *scene.store, scene.window, scene.views, scene.pairs);
   const auto in_the_end = equations();
   scene.linearize();
-  const auto anew = equations();
-  REQUIRE(anew->b().norm() > 0);
-  REQUIRE(in_the_end->H() == anew->H());
-  REQUIRE(in_the_end->b() == anew->b());
+  const auto again = equations();
+  REQUIRE(again->b().norm() > 0);
+  REQUIRE(in_the_end->H() == again->H());
+  REQUIRE(in_the_end->b() == again->b());
 }
 
 TEMPLATE_TEST_CASE("window_terms: landmarks that take no part add nothing and are not moved", "", SCENES) {

@@ -148,7 +148,7 @@ TEMPLATE_TEST_CASE("window_terms (lines): cost and steps are those of the dense 
   const double tolerance = std::is_same_v<S, float> ? 3e-3 : 1e-6;
   for (const double mu : {0.0, 1e-3}) {
     Scene<S> scene(10);
-    scene.store->landmarks()[1].observations[2].forget_depth();
+    scene.store->landmarks()[1].observations[2].clear_depth();
     scene.store->landmarks()[2].observations[3].valid = false;
     scene.store->landmarks()[3].located = false;
     for (int k = 1; k < 4; ++k) scene.store->landmarks()[4].observations[std::size_t(k)].valid = false;
@@ -197,7 +197,7 @@ TEST_CASE("window_terms (lines): lines converge to the truth between true poses"
     auto& landmark = scene.store->landmarks()[i];
     for (int k = landmark.anchor; k < scene.used; ++k) {
       landmark.observations[std::size_t(k)] = scene.observe(scene.p_world[i], scene.q_world[i], k, 0, noise);
-      if (i % 3 != 0) landmark.observations[std::size_t(k)].forget_depth();  // these by parallax alone
+      if (i % 3 != 0) landmark.observations[std::size_t(k)].clear_depth();  // these by parallax alone
     }
     landmark.geometry.line = landmark.geometry.line.plus(0.02 * Vec<double, 4>{noise(), noise(), noise(), noise()});
   }
@@ -230,7 +230,7 @@ TEST_CASE("window_terms (lines): finish gives the covariance and drops what does
       landmarks[3].geometry.line.plus(Vec<double, 4>::Constant(std::numeric_limits<double>::quiet_NaN()));
   for (auto& seen : landmarks[4].observations) {  // seen so badly that its distance is unknown
     seen.pixels.L *= 1e-3;
-    seen.forget_depth();
+    seen.clear_depth();
   }
   scene.terms->finish(scene.rig, *scene.store, scene.window, scene.views, scene.pairs);
   REQUIRE(landmarks[0].located);
@@ -252,7 +252,7 @@ TEST_CASE("window_terms (lines): finish gives the covariance and drops what does
 TEST_CASE("window_terms (lines): views that leave a line open do not stop the window") {
   Scene<double> scene(4, 0);
   for (auto& landmark : scene.store->landmarks()) {
-    for (auto& seen : landmark.observations) seen.forget_depth();
+    for (auto& seen : landmark.observations) seen.clear_depth();
   }
   for (int k = 0; k < scene.used; ++k) {  // no parallax at all
     for (auto& landmark : scene.store->landmarks()) {
@@ -293,7 +293,7 @@ TEST_CASE("window_terms (lines): what leaves with a keyframe") {
                                   information += J.transpose() * J;
                                 });
   REQUIRE(tied == 5);
-  // Two keyframes are tied by lines with depth; the place of both together is free.
+  // Two keyframes are related by lines with depth; the pose of both together is free.
   const Eigen::LDLT<Mat<double, 6, 6>> relative(information.bottomRightCorner<6, 6>());
   REQUIRE(relative.vectorD().minCoeff() > 1);
   REQUIRE(scene.store->landmarks().size() == 6);

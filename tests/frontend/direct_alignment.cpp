@@ -20,7 +20,8 @@ using FrontEndOf = DirectAlignment::Of<Entry, StoreOf<Entry>>;
 TEST_CASE("direct_alignment: points and lines by direct alignment, others as by flow") {
   STATIC_REQUIRE(std::is_same_v<FrontEndOf<Points<50>>, DirectPoints<StoreOf<Points<50>>>>);
   STATIC_REQUIRE(std::is_same_v<FrontEndOf<Points<50, Cauchy>>, DirectPoints<StoreOf<Points<50, Cauchy>>>>);
-  STATIC_REQUIRE(std::is_same_v<FrontEndOf<StartPoints<50>>, StartFlow<StoreOf<StartPoints<50>>>>);
+  STATIC_REQUIRE(
+      std::is_same_v<FrontEndOf<InitializationPoints<50>>, InitializationFlow<StoreOf<InitializationPoints<50>>>>);
   STATIC_REQUIRE(std::is_same_v<FrontEndOf<Lines<20>>, DirectLines<StoreOf<Lines<20>>>>);
 }
 
@@ -35,7 +36,7 @@ TEST_CASE("direct_alignment: whole frames allocate nothing") {
       SE3<float> T = life.T(i - 1);
       life.ends->align(view, life.window, *life.landmarks, {}, T);
       life.ends->follow(view, life.window, *life.landmarks, T);
-      life.ends->agree(view, life.window, *life.landmarks, {}, T);
+      life.ends->find_consensus(view, life.window, *life.landmarks, {}, T);
       life.ends->refine(view, life.window, *life.landmarks, T);
       life.ends->locate(view, life.window, *life.landmarks, T);
       if (i == 3) life.keyframe(view, i);

@@ -53,7 +53,7 @@ struct DirectLife {
     frame.t_ns = direct_room().t_ns[std::size_t(i)];
     frame.gray = direct_room().frames[std::size_t(i)].gray.view();
     if constexpr (Sensors::has_depth) frame.depth = direct_room().frames[std::size_t(i)].depth.view();
-    images->see(frame);
+    images->take_in(frame);
     return images->view(rig, frame, SE3<S>(), {}, S(0.05));
   }
   int keyframe(const View<Sensors>& seen, int i) {

@@ -35,10 +35,11 @@ struct Beacons {
 
 }  // namespace
 
-TEST_CASE("flow: points by optical flow, lines by their edges, others as they say") {
+TEST_CASE("flow: points by optical flow, lines by their edges, others as they define") {
   STATIC_REQUIRE(std::is_same_v<FrontEndOf<Points<50>>, PointFlow<StoreOf<Points<50>>>>);
   STATIC_REQUIRE(std::is_same_v<FrontEndOf<Points<50, Cauchy>>, PointFlow<StoreOf<Points<50, Cauchy>>>>);
-  STATIC_REQUIRE(std::is_same_v<FrontEndOf<StartPoints<50>>, StartFlow<StoreOf<StartPoints<50>>>>);
+  STATIC_REQUIRE(
+      std::is_same_v<FrontEndOf<InitializationPoints<50>>, InitializationFlow<StoreOf<InitializationPoints<50>>>>);
   STATIC_REQUIRE(std::is_same_v<FrontEndOf<Lines<20>>, EdgeFollowing<StoreOf<Lines<20>>>>);
   using Own = Lines<20, OwnDetector>;
   STATIC_REQUIRE(std::is_same_v<FrontEndOf<Own>, EdgeFollowing<StoreOf<Own>, OwnDetector>>);

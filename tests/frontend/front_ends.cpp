@@ -1,4 +1,4 @@
-// The front ends of all kinds: who is asked when, by scripted ones; the pose that most agree on, by rendered frames.
+// The front ends of all kinds: order of the calls, by scripted ones; the pose of the consensus, by rendered frames.
 #include "plumbline/frontend/front_ends.hpp"
 
 #include <algorithm>
@@ -46,7 +46,7 @@ struct Scripted {
   struct Options {
     int number = 0;
   };
-  static constexpr bool votes = false;
+  static constexpr bool gives_correspondences = false;
 
   explicit Scripted(const Options& options) : number(options.number) {}
   void follow(const auto&, const auto&, Store&, const auto&) { note("f"); }
@@ -57,13 +57,13 @@ struct Scripted {
   static void note(const char* what) { script() += std::string(1, name) + what + " "; }
   int number;
 };
-/// For the start alone, and it relates two views.
+/// For initialization alone, and it relates two views.
 template <class Store>
 struct Starting : Scripted<Store, 's'> {
   using Scripted<Store, 's'>::Scripted;
-  static constexpr bool is_for_start = true, relates_two_views = true;
-  void begin_start() { this->note("b"); }
-  void end_start(Store& store) {
+  static constexpr bool is_for_initialization = true, relates_two_views = true;
+  void begin_initialization() { this->note("b"); }
+  void end_initialization(Store& store) {
     store.clear();
     this->note("e");
   }
@@ -71,7 +71,7 @@ struct Starting : Scripted<Store, 's'> {
 };
 /// Reads the stores of the kinds named before it.
 template <class Store>
-struct Reading : Scripted<Store, 'c'> {
+struct ReadsKindsBefore : Scripted<Store, 'c'> {
   using Scripted<Store, 'c'>::Scripted;
   static constexpr bool reads_kinds_before = true;
   template <class... Before>
@@ -120,7 +120,7 @@ struct Script {
   };
   template <class Store>
   struct Which<Third, Store> {
-    using Type = Reading<Store>;
+    using Type = ReadsKindsBefore<Store>;
   };
   template <class E, class Store>
   using Of = typename Which<E, Store>::Type;
@@ -156,11 +156,11 @@ TEST_CASE("front_ends: kinds are asked in order; one that reads the kinds before
   REQUIRE(played([&] { front_ends.locate(view, window, landmarks, I); }) == "al sl cl ");
   REQUIRE(played([&] { front_ends.detect(view, window, landmarks, 1); }) == "ad sd cd ");
   SE3<float> T;
-  REQUIRE(front_ends.agree(view, window, landmarks, {}, T).asked == 0);  // nobody votes
+  REQUIRE(front_ends.find_consensus(view, window, landmarks, {}, T).candidates == 0);  // none gives correspondences
   REQUIRE(T.log().norm() == 0);
 }
 
-TEST_CASE("front_ends: a start concerns those that are there for it") {
+TEST_CASE("front_ends: an initialization uses the kinds that take part in it") {
   Stage stage;
   for (int k = 0; k < 3; ++k) {
     Ends::Landmarks& all = *stage.landmarks;
@@ -171,7 +171,7 @@ TEST_CASE("front_ends: a start concerns those that are there for it") {
     });
   }
   REQUIRE(stage.front_ends.lasting_count(*stage.landmarks) == 6);  // not those of the start
-  REQUIRE(played([&] { stage.front_ends.begin_start(); }) == "sb ");
+  REQUIRE(played([&] { stage.front_ends.begin_initialization(); }) == "sb ");
   int pairs = 0;
   stage.front_ends.for_each_pair(stage.view, *stage.landmarks, 2, [&](int then, int now) {
     REQUIRE(then == 2);
@@ -179,12 +179,12 @@ TEST_CASE("front_ends: a start concerns those that are there for it") {
     ++pairs;
   });
   REQUIRE(pairs == 1);
-  REQUIRE(played([&] { stage.front_ends.end_start(*stage.landmarks); }) == "se ");
+  REQUIRE(played([&] { stage.front_ends.end_initialization(*stage.landmarks); }) == "se ");
   REQUIRE(stage.landmarks->get<1>().landmarks().empty());
   REQUIRE(stage.landmarks->get<0>().landmarks().size() == 3);
 }
 
-TEST_CASE("front_ends: stores turn the page with a frame, record keyframes and forget what is of no use") {
+TEST_CASE("front_ends: stores begin a frame, record keyframes and drop useless landmarks") {
   Stage stage;
   auto& store = stage.landmarks->get<0>();
   typename std::remove_cvref_t<decltype(store)>::Landmark landmark;
@@ -222,7 +222,7 @@ TEST_CASE("front_ends: every kind has its options under its name, those of store
 
 // --------------------------------------------------------------------------------------------------- rendered
 
-TEMPLATE_TEST_CASE("front_ends: outliers leave the frame, the pose is found", "", float, double) {
+TEMPLATE_TEST_CASE("front_ends: outliers are removed from the frame, the pose is right", "", float, double) {
   using S = TestType;
   using Room = RigOf<S>;
   using Followed = FrontEnds<Flow, Room, 3, Features<Points<250>, Lines<20>>>;
@@ -259,7 +259,7 @@ TEMPLATE_TEST_CASE("front_ends: outliers leave the frame, the pose is found", ""
   REQUIRE(lines > 5);
   for (std::size_t i = 0; i < landmarks.size(); i += 4) landmarks[i].current.uv.x() += i % 8 == 0 ? 25 : -25;
   SE3<S> T_found = plus(T(1), (Vec<S, 6>() << S(0.01), S(-0.01), S(0.02), S(0.03), S(0.02), S(-0.03)).finished());
-  front_ends->agree(now, window, *all, PoseRansacOptions{}, T_found);
+  front_ends->find_consensus(now, window, *all, PoseRansacOptions{}, T_found);
   REQUIRE(minus(T_found, T(1)).template tail<3>().norm() < S(0.03));
   std::set<std::uint32_t> rejected;
   for (const auto& each : store.rejected()) rejected.insert(each.id);
@@ -271,23 +271,24 @@ TEMPLATE_TEST_CASE("front_ends: outliers leave the frame, the pose is found", ""
   }
   REQUIRE(rejected.size() > landmarks.size() / 8);
   REQUIRE(store.tracked_count() > int(landmarks.size()) / 2);
-  REQUIRE(all->template get<1>().seen_count() == lines);  // they do not vote
+  REQUIRE(all->template get<1>().seen_count() == lines);  // they give no correspondences
   REQUIRE(front_ends->lasting_count(*all) == store.tracked_count() + all->template get<1>().tracked_count());
   front_ends->follow(view(2), window, *all, T(2));
   REQUIRE(store.rejected().empty());
 
-  // Where all is excluded, a pose is found all the same.
+  // Where the gate excludes all poses, one is found all the same.
   SE3<S> T_other = T_found;
-  front_ends->agree(view(2), window, *all, PoseRansacOptions{}, T_other, [](const SE3<S>&) { return false; });
+  front_ends->find_consensus(view(2), window, *all, PoseRansacOptions{}, T_other, [](const SE3<S>&) { return false; });
   REQUIRE(minus(T_other, T_found).norm() > 0);
-  // Poses are asked about.
+  // The gate is called for poses.
   int asked = 0;
   front_ends->follow(view(2), window, *all, T_found);
-  front_ends->agree(view(2), window, *all, PoseRansacOptions{}, T_other, [&](const SE3<S>&) { return ++asked > 0; });
+  front_ends->find_consensus(view(2), window, *all, PoseRansacOptions{}, T_other,
+                             [&](const SE3<S>&) { return ++asked > 0; });
   REQUIRE(asked > 0);
 
-  store.clear();  // nobody is left to agree
+  store.clear();  // no correspondences are left
   const SE3<S> before = T_found;
-  front_ends->agree(view(2), window, *all, PoseRansacOptions{}, T_found);
+  front_ends->find_consensus(view(2), window, *all, PoseRansacOptions{}, T_found);
   REQUIRE(minus(before, T_found).norm() == 0);
 }

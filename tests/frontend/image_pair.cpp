@@ -65,7 +65,7 @@ TEMPLATE_TEST_CASE("image_pair: the new image beside the kept one, and where tha
     frame.t_ns = room().t_ns[i];
     frame.gray = room().frames[i].gray.view();
     if constexpr (Sensors::has_depth) frame.depth = room().frames[i].depth.view();
-    REQUIRE(images->see(frame));
+    REQUIRE(images->take_in(frame));
     return images->view(rig, frame, SE3<S>(), {}, S(0.1));
   };
   const auto shows = [&](const auto& pyramid, std::size_t i) {
@@ -93,7 +93,7 @@ TEMPLATE_TEST_CASE("image_pair: the new image beside the kept one, and where tha
   REQUIRE(shows(view.current, 2));
 }
 
-TEMPLATE_TEST_CASE("image_pair: the coarsest pixels tell how the camera turned", "", float, double) {
+TEMPLATE_TEST_CASE("image_pair: the rotation is estimated on the coarsest level", "", float, double) {
   using S = TestType;
   using Sensors = MonoRig<S>;
   const auto rig = rig_of<Sensors>(room().camera);
@@ -105,9 +105,9 @@ TEMPLATE_TEST_CASE("image_pair: the coarsest pixels tell how the camera turned",
     for (int x = 0; x < width; ++x) moved[std::size_t(y * width + x)] = image(std::max(x - shift, 0), y);
   }
   typename Sensors::Frame first{0, image}, second{1, {moved.data(), width, height, width}};
-  REQUIRE(images->see(first));
+  REQUIRE(images->take_in(first));
   images->keep(images->view(rig, first, SE3<S>(), {}, S(0.1)), SE3<S>());
-  REQUIRE(images->see(second));
+  REQUIRE(images->take_in(second));
   const View<Sensors> view = images->view(rig, second, SE3<S>(), {}, S(0.1));
   const RotationAlignment<S> found = images->align_motion(view, SE3<S>(), S(1), false);
   REQUIRE(found.valid);
@@ -115,13 +115,13 @@ TEMPLATE_TEST_CASE("image_pair: the coarsest pixels tell how the camera turned",
   const Vec<S, 3> ahead = found.R_cur_prev * Vec<S, 3>::UnitZ();
   REQUIRE(double(ahead.x() / ahead.z()) == Approx(shift / 268.0).epsilon(0.2));
   REQUIRE(std::abs(double(ahead.y())) < 0.01);
-  // A wrong guess does no harm: rest is tried as well.
+  // A wrong guess does no harm: no motion is tried as well.
   const RotationAlignment<S> again =
       images->align_motion(view, SE3<S>(SO3<S>::exp({S(0.8), S(-0.5), S(1)}), zeros<S, 3>()), S(1), false);
   REQUIRE((again.valid && !again.moved && again.cost <= found.cost * S(1.01)));
 }
 
-TEST_CASE("image_pair: after a gap a turn is found wherever it went") {
+TEST_CASE("image_pair: after a gap the rotation is found in any direction") {
   using Sensors = MonoRig<double>;
   const auto rig = rig_of<Sensors>(room().camera);
   const auto images = std::make_unique<ImagePair<Sensors>>(RotationAlignmentOptions{});
@@ -132,9 +132,9 @@ TEST_CASE("image_pair: after a gap a turn is found wherever it went") {
     for (int x = 0; x < width; ++x) moved[std::size_t(y * width + x)] = image(std::clamp(x - shift, 0, width - 1), y);
   }
   Sensors::Frame first{0, image}, second{1, {moved.data(), width, height, width}};
-  REQUIRE(images->see(first));
+  REQUIRE(images->take_in(first));
   images->keep(images->view(rig, first, SE3<double>(), {}, 0.1), SE3<double>());
-  REQUIRE(images->see(second));
+  REQUIRE(images->take_in(second));
   const View<Sensors> view = images->view(rig, second, SE3<double>(), {}, 0.1);
   const auto direction = [&](bool after_gap) {
     const Vec<double, 3> ahead = images->align_motion(view, {}, 1.0, after_gap).R_cur_prev * Vec<double, 3>::UnitZ();
@@ -144,7 +144,7 @@ TEST_CASE("image_pair: after a gap a turn is found wherever it went") {
   CHECK_FALSE(direction(false) == Approx(shift / 268.0).epsilon(0.2));
 }
 
-TEST_CASE("image_pair: a dark image shows nothing, one that is blurred or half as bright does") {
+TEST_CASE("image_pair: a black image is unusable, a blurred or half as bright one is not") {
   using Sensors = MonoRig<double>;
   const auto rig = rig_of<Sensors>(room().camera);
   const auto images = std::make_unique<ImagePair<Sensors>>(RotationAlignmentOptions{});
@@ -155,11 +155,11 @@ TEST_CASE("image_pair: a dark image shows nothing, one that is blurred or half a
       for (int x = 0; x < width; ++x) pixels.push_back(std::uint8_t(pixel(x, y)));
     }
     Sensors::Frame frame{1, {pixels.data(), width, height, width}};
-    REQUIRE(images->see(frame));
-    return images->shows_something();
+    REQUIRE(images->take_in(frame));
+    return images->has_contrast();
   };
   Sensors::Frame first{0, image};
-  REQUIRE(images->see(first));
+  REQUIRE(images->take_in(first));
   images->keep(images->view(rig, first, SE3<double>(), {}, 0.1), SE3<double>());
   CHECK_FALSE(shows([](int, int) { return 0; }));
   CHECK_FALSE(shows([](int, int) { return 255; }));
@@ -182,7 +182,7 @@ TEST_CASE("image_pair: a picture again, and almost") {
     Sensors::Frame frame;
     frame.t_ns = t_ns;
     frame.gray = {pixels, width, height, width};
-    REQUIRE(images->see(frame));
+    REQUIRE(images->take_in(frame));
     return images->view(rig, frame, SE3<double>(), {}, 0.1);
   };
   images->keep(see(gray.row(0), 0), {});

@@ -73,7 +73,7 @@ TEMPLATE_TEST_CASE("line_location: edge in the anchor, edge and depth in the lat
   Scene<RgbdLines<S>> scene(12, 0);
   for (std::size_t i = 0; i < 12; ++i) {
     auto& landmark = scene.store->landmarks()[i];
-    landmark.observations[std::size_t(landmark.anchor)].forget_depth();
+    landmark.observations[std::size_t(landmark.anchor)].clear_depth();
     const int anchor = landmark.anchor;
     scene.locate(landmark);
     REQUIRE(landmark.located);
@@ -82,7 +82,7 @@ TEMPLATE_TEST_CASE("line_location: edge in the anchor, edge and depth in the lat
   }
 }
 
-TEST_CASE("line_location: errors are those that the covariance tells") {
+TEST_CASE("line_location: errors are consistent with the covariance") {
   double sum = 0;
   int count = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
@@ -153,7 +153,7 @@ TEMPLATE_TEST_CASE("line_location: from the filtered ends of the anchor's segmen
   }
   CAPTURE(count, sum / count);
   REQUIRE(count > 150);
-  REQUIRE(sum / count > 0.4);  // so few measurements leave a doubt whether they meant the line
+  REQUIRE(sum / count > 0.4);  // few measurements leave a lower inlier share
   REQUIRE(sum / count < 1.4);
 }
 
@@ -164,7 +164,7 @@ TEST_CASE("line_location: what does not fit the anchor's edge, or is no number, 
   moved.current = scene.observe(scene.p_world[0] + Vec<double, 3>(0.4, 0.4, 0.1), scene.q_world[0], 3, 0, noise);
   const auto before = moved.geometry;
   scene.locate(moved);
-  REQUIRE((!moved.located || scene.error(0).norm() > 0.01));  // no depth says so: at most the planes do
+  REQUIRE((!moved.located || scene.error(0).norm() > 0.01));  // not by depth: at most by the planes
   if (!moved.located) REQUIRE(moved.geometry.line.plucker().n == before.line.plucker().n);
 
   auto& broken = scene.store->landmarks()[1];

@@ -9,7 +9,7 @@
 #include "catch.hpp"
 #include "estimator/simulation.hpp"
 #include "plumbline/camera/pinhole.hpp"
-#include "plumbline/feature/motion_estimate.hpp"
+#include "plumbline/feature/pose_refinement.hpp"
 #include "plumbline/feature/row_motion.hpp"
 #include "plumbline/feature/row_ranges.hpp"
 #include "plumbline/feature/window_terms.hpp"
@@ -36,7 +36,7 @@ using LineTerms = WindowTerms<std::remove_cvref_t<decltype(std::declval<Landmark
 
 }  // namespace
 
-TEST_CASE("no heap: see, follow, agree, estimate, refine, locate, record, linearize, eliminate, forget") {
+TEST_CASE("no heap: detect, track, RANSAC, estimate, refine, locate, record, linearize, eliminate, drop") {
   const SimulatedRgbd room(6);
   Sensors rig{};
   rig.vision.camera = {268, 268, 159.5f, 119.5f, {}};
@@ -45,7 +45,7 @@ TEST_CASE("no heap: see, follow, agree, estimate, refine, locate, record, linear
   const auto images = std::make_unique<ImagePair<Sensors>>(RotationAlignmentOptions{});
   const auto front_ends = std::make_unique<Ends>(Ends::Options{});
   const std::unique_ptr<Landmarks> landmarks{new Landmarks(Ends::make_landmarks(Ends::Options{}))};
-  const auto pose = std::make_unique<MotionEstimate<Sensors, Landmarks>>(MotionOptions{});
+  const auto pose = std::make_unique<PoseRefinement<Sensors, Landmarks>>(PoseRefinementOptions{});
   const auto points = std::make_unique<PointTerms>();
   const auto lines = std::make_unique<LineTerms>();
   const auto window = std::make_unique<Window>();
@@ -63,14 +63,14 @@ TEST_CASE("no heap: see, follow, agree, estimate, refine, locate, record, linear
       const SE3<float> T_true = room.T_world_cam[std::size_t(i)].cast<float>();
       const Sensors::Frame frame{room.t_ns[std::size_t(i)], room.frames[std::size_t(i)].gray.view(),
                                  room.frames[std::size_t(i)].depth.view()};
-      if (!images->see(frame)) return;
+      if (!images->take_in(frame)) return;
       View<Sensors> view = images->view(rig, frame, SE3<float>(), {0.01f, 0.0f}, 0.05f);
       view.shutter.set_motion(Vec<float, 3>(0.1f, 0.2f, -0.1f), Vec<float, 3>(0.3f, 0.0f, 0.1f), 0.5f);
       SE3<float> T = T_true;
       if (i > 0) {
         images->align_motion(view, SE3<float>(), 2.0f, /*after_gap=*/true);
         front_ends->follow(view, *window, *landmarks, T);
-        front_ends->agree(view, *window, *landmarks, {}, T);
+        front_ends->find_consensus(view, *window, *landmarks, {}, T);
         Mat<float, 6, 6> covariance;
         estimated += pose->refine(rig, SE3<float>(), *landmarks, *window, T, {}, T, covariance) == HealthReason::none;
         front_ends->refine(view, *window, *landmarks, T);

@@ -120,7 +120,7 @@ TEST_CASE("point_flow: beside an IMU aligned points are worth more") {
   REQUIRE(beside.sigma_flow_px == alone.sigma_flow_px);
 }
 
-TEST_CASE("point_flow: beside an IMU what a camera with depth sees without is not believed at once") {
+TEST_CASE("point_flow: beside an IMU a landmark without depth is not located at once") {
   using Inertial = Rig<Rgbd<Pinhole<float>, SimulatedRgbd::width * SimulatedRgbd::height>, Imu>;
   REQUIRE(Life<float, 50, Inertial>::FrontEnd::Options().min_views == 3);
   REQUIRE(Life<float, 50>::FrontEnd::Options().min_views == 1);
@@ -244,8 +244,7 @@ TEST_CASE("point_flow: never more landmarks than there is room for") {
   REQUIRE(life.store->tracked_count() > 20);
 }
 
-TEMPLATE_TEST_CASE("point_flow: a readout found out later gives what it would have given from the start", "", float,
-                   double) {
+TEMPLATE_TEST_CASE("point_flow: a readout time estimated later gives the same as from the start", "", float, double) {
   using S = TestType;
   const S readout = S(0.01);
   Life<S, 250> late, known;
@@ -259,7 +258,7 @@ TEMPLATE_TEST_CASE("point_flow: a readout found out later gives what it would ha
   REQUIRE(landmarks.size() == known.store->landmarks().size());
   double moved = 0;
   for (const auto& landmark : landmarks)
-    moved += double(landmark.current.slope.get().by_readout().norm()) * double(readout);
+    moved += double(landmark.current.derivative.get().by_readout().norm()) * double(readout);
   REQUIRE(moved > 0.3 * double(landmarks.size()));  // [px]
   late.store->change_readout(readout);
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
@@ -333,7 +332,7 @@ TEMPLATE_TEST_CASE("point_flow: a camera without depth locates by parallax", "",
   }
 }
 
-TEMPLATE_TEST_CASE("point_flow: where one view is not believed a keyframe and the frame must agree", "", float,
+TEMPLATE_TEST_CASE("point_flow: where one view does not suffice a keyframe and the frame must be consistent", "", float,
                    double) {
   using S = TestType;
   PointFlowOptions options;
@@ -380,23 +379,24 @@ TEST_CASE("point_flow: a landmark without depth in its keyframe is located by a 
   REQUIRE(*middle < 0.02f);
 }
 
-TEMPLATE_TEST_CASE("point_flow: located landmarks in sight vote by what the frame saw of them", "", float, double) {
+TEMPLATE_TEST_CASE("point_flow: located landmarks in sight give correspondences with their observations", "", float,
+                   double) {
   using S = TestType;
   Life<S, 250> life;
   life.begin();
   life.store->landmarks()[0].current.valid = false;
-  int votes = 0, with_depth = 0;
-  const auto take = [&](int index, const PoseCorrespondence<S>& vote) {
+  int count = 0, with_depth = 0;
+  const auto take = [&](int index, const PoseCorrespondence<S>& correspondence) {
     const auto& landmark = life.store->landmarks()[std::size_t(index)];
     REQUIRE((landmark.located && landmark.current.valid));
-    REQUIRE((life.T(0).inverse() * vote.p_world).normalized().dot(vote.bearing) > S(0.9999));
-    REQUIRE(vote.sigma_rad == Approx(1.0 / 268).epsilon(0.01));  // a pixel
-    ++votes;
-    with_depth += vote.sigma_inverse_depth > landmark.current.depth.get().sigma;  // and the landmark's own
+    REQUIRE((life.T(0).inverse() * correspondence.p_world).normalized().dot(correspondence.bearing) > S(0.9999));
+    REQUIRE(correspondence.sigma_rad == Approx(1.0 / 268).epsilon(0.01));  // a pixel
+    ++count;
+    with_depth += correspondence.sigma_inverse_depth > landmark.current.depth.get().sigma;  // and the landmark's own
   };
   life.flow->for_each_correspondence(life.view(0), life.window, *life.store, take);
-  REQUIRE(votes == life.store->tracked_count());
-  REQUIRE(with_depth == votes);
+  REQUIRE(count == life.store->tracked_count());
+  REQUIRE(with_depth == count);
 }
 
 TEST_CASE("point_flow: landmarks of one keyframe relate it to the latest frame") {

@@ -72,7 +72,7 @@ TEST_CASE("visible_segment: a distorted image, read row by row") {
   REQUIRE((out.start - shutter.seen(camera.project(p).uv, 1 / p.norm()).cast<float>()).norm() < 1e-3f);
   REQUIRE((out.start - shutter.seen(camera.project(p).uv, 0).cast<float>()).norm() > 0.2f);
 
-  const Scene<Pinhole<double, RadTan>, Global> global(camera);  // all rows at once, whatever it is told
+  const Scene<Pinhole<double, RadTan>, Global> global(camera);  // all rows at once, whatever the readout time
   REQUIRE(global.see(p, q, out, 0.02, rate));
   REQUIRE((out.start - camera.project(p).uv.cast<float>()).norm() < 1e-3f);
 }

@@ -55,7 +55,7 @@ TEST_CASE("depth_filter: mean, variance and inlier share are those of the poster
   }
 }
 
-TEMPLATE_TEST_CASE("depth_filter: converges to the value although a third of the measurements mean nothing", "", float,
+TEMPLATE_TEST_CASE("depth_filter: converges to the value although a third of the measurements are outliers", "", float,
                    double) {
   using S = TestType;
   int converged = 0;
@@ -76,7 +76,7 @@ TEMPLATE_TEST_CASE("depth_filter: converges to the value although a third of the
   CHECK(converged >= 47);
 }
 
-TEST_CASE("depth_filter: what is never found, or always elsewhere, is given up") {
+TEST_CASE("depth_filter: never found, or always elsewhere, is rejected") {
   DepthFilter<double> filter = DepthFilter<double>::around(0.5);
   REQUIRE(filter.known());
   REQUIRE_FALSE(DepthFilter<double>{}.known());

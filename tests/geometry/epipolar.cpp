@@ -30,7 +30,7 @@ TEMPLATE_TEST_CASE("epipolar: the translation of a known rotation, and both refi
     const std::span<const BearingPair<S>> all(pairs.data(), pairs.size());
     SO3<S> R = scene.T_2_1.rotation().template cast<S>();
     Vec<S, 3> t;
-    REQUIRE(vote_translation(all, R, S(0.02), 60, seed, t));
+    REQUIRE(consensus_translation(all, R, S(0.02), 60, seed, t));
     if (scene.direction_error(SE3<S>(R, t)) > 1.6) t = -t;
     CHECK(scene.direction_error(SE3<S>(R, t)) < 0.5);
     R = R * SO3<S>::exp({S(0.01), S(-0.01), S(0.01)});

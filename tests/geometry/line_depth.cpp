@@ -136,7 +136,8 @@ TEMPLATE_TEST_CASE("line_depth: the nearer side of an occluding edge, and outlie
     taken_for_one += ledge.inliers > 24;
     ledge_error += 3 - 2 / double(ledge.inverse_depth.sum());
   }
-  REQUIRE(together > 0.7 * 200);  // samples add up to eight only, so these are surer than they claim: 1 - exp(-3/2)
+  REQUIRE(together >
+          0.7 * 200);  // samples add up to eight only, so these are better than their covariance: 1 - exp(-3/2)
   REQUIRE(taken_for_one < 0.1 * 200);
   REQUIRE(std::abs(ledge_error / 200) < 0.02);
   // what has one side only has that

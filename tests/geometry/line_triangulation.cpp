@@ -107,7 +107,7 @@ TEMPLATE_TEST_CASE("line_triangulation: nothing without parallax", "", float, do
     const double sigma = 1e-3;
     // turning only
     REQUIRE_FALSE(triangulate<S>(views_of<S>(p, q, {V3(0, 0, 0), V3(0, 0, 0), V3(0, 0, 0)}, noise, sigma)).valid);
-    // a baseline along the line, and one within the plane of line and centre
+    // a baseline along the line, and one within the plane of line and center
     REQUIRE_FALSE(triangulate<S>(views_of<S>(p, q, {V3(0, 0, 0), V3(0.4, 0, 0)}, noise, sigma)).valid);
     REQUIRE_FALSE(triangulate<S>(views_of<S>(p, q, {V3(0, 0, 0), V3(0.1, 0.045, 0.3)}, noise, sigma)).valid);
     // across: fine

@@ -112,8 +112,8 @@ TEMPLATE_TEST_CASE("pose_ransac: a good prior is refined without sampling", "", 
         (std::is_same_v<S, float> ? 1e-5 : 1e-6));  // outliers keep a trace of weight
 }
 
-TEMPLATE_TEST_CASE("pose_ransac: a majority that moves otherwise than can be is outvoted by what can", "", float,
-                   double) {
+TEMPLATE_TEST_CASE("pose_ransac: a majority outside the gate of the prior is rejected in favor of a minority inside",
+                   "", float, double) {
   using S = TestType;
   Scene<S> scene = make_scene<S>(6, 0, 0.2 * sigma);
   const SE3<S> T = scene.T_cam_world.template cast<S>();
@@ -134,7 +134,7 @@ TEMPLATE_TEST_CASE("pose_ransac: a majority that moves otherwise than can be is 
   REQUIRE(bound.valid);
   CHECK(near(bound.T_cam_world, T));
   const auto wrong = std::count(bound.inlier.begin(), bound.inlier.begin() + most, true);
-  CHECK(wrong < 8);  // chance hits: points far away hardly tell the two poses apart
+  CHECK(wrong < 8);  // chance hits: distant points hardly distinguish the two poses
   CHECK(bound.inliers - wrong > 0.9 * (capacity - most));
 
   CHECK_FALSE(ransac_pose(scene.correspondences, T, {}, [](const SE3<S>&) { return false; }).valid);

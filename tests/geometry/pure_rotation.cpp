@@ -24,7 +24,7 @@ TEMPLATE_TEST_CASE("pure_rotation: from far away without wrong pairs, from near 
   }
 }
 
-TEST_CASE("pure_rotation: nothing to go by") {
+TEST_CASE("pure_rotation: too few or degenerate pairs") {
   SO3<double> R;
   std::array<BearingPair<double>, 4> pairs;
   for (BearingPair<double>& pair : pairs) pair.f1 = pair.f2 = Vec<double, 3>::Constant(NAN);

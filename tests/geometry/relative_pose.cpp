@@ -27,11 +27,11 @@ Count solve_all(TwoViewKind kind, double sigma_rad, double wrong, const Relative
     const auto pairs = scene.pairs_as<S>();
     const auto found = RelativePoseSolver<S, TwoViewScene::capacity>().solve(pairs, SO3<S>(), options);
     ++out.model[std::size_t(found.model)];
-    out.ambiguous += found.doubt == TwoViewDoubt::ambiguous;
-    CHECK(found.valid == (found.doubt == TwoViewDoubt::none));
+    out.ambiguous += found.failure == TwoViewFailure::ambiguous;
+    CHECK(found.valid == (found.failure == TwoViewFailure::none));
     const SE3<S>& T = found.two_view.T_2_1;
     const auto good = [&](const SE3<S>& X) { return scene.rotation_error(X) < 0.03 && scene.direction_error(X) < 0.2; };
-    if (found.doubt == TwoViewDoubt::ambiguous && kind == TwoViewKind::plane) {
+    if (found.failure == TwoViewFailure::ambiguous && kind == TwoViewKind::plane) {
       CHECK((good(T) || good(found.rival.T_2_1)));  // one of the two is right
     }
     if (!found.valid) continue;
@@ -79,7 +79,7 @@ TEMPLATE_TEST_CASE("relative_pose: planes, most of them seen in two ways", "", f
 TEMPLATE_TEST_CASE("relative_pose: a rotation is never taken for a motion", "", float, double) {
   using S = TestType;
   const double wrong = GENERATE(0.0, 0.3);
-  const double pixels = GENERATE(0.25, 1.0, 1.8);  // the options say 0.9
+  const double pixels = GENERATE(0.25, 1.0, 1.8);  // the options have 0.9
   const Count count = solve_all<S>(TwoViewKind::rotation, pixels * TwoViewScene::pixel, wrong);
   CAPTURE(wrong, pixels, count.model);
   CHECK(count.valid == 0);
@@ -90,7 +90,7 @@ TEMPLATE_TEST_CASE("relative_pose: the rotation of a rotation", "", float, doubl
   using S = TestType;
   const TwoViewScene scene(TwoViewKind::rotation, 4, TwoViewScene::pixel, 0.3);
   const auto found = RelativePoseSolver<S, TwoViewScene::capacity>().solve(scene.pairs_as<S>(), SO3<S>());
-  CHECK(found.doubt == TwoViewDoubt::rotation_only);
+  CHECK(found.failure == TwoViewFailure::rotation_only);
   CHECK(scene.rotation_error(found.two_view.T_2_1) < 2e-3);
   CHECK(found.two_view.parallax < S(0.01));
   CHECK(found.noise_rad == Approx(TwoViewScene::pixel).epsilon(0.2));
@@ -105,7 +105,7 @@ TEST_CASE("relative_pose: far points leave little parallax") {
   RelativePoseOptions options;
   options.sigma_rad = 1e-4;
   const auto found = RelativePoseSolver<double, 200>().solve(scene.pairs, SO3<double>(), options);
-  CHECK(found.doubt == TwoViewDoubt::little_parallax);
+  CHECK(found.failure == TwoViewFailure::little_parallax);
   CHECK(scene.direction_error(found.two_view.T_2_1) < 0.05);  // but it was found
 }
 
@@ -127,12 +127,12 @@ TEMPLATE_TEST_CASE("relative_pose: few pairs, nothing but wrong pairs, NaN", "",
   using S = TestType;
   const RelativePoseSolver<S, 200> solver;
   FixedVector<BearingPair<S>, 200> pairs;
-  CHECK(solver.solve(pairs, SO3<S>()).doubt == TwoViewDoubt::few_pairs);
+  CHECK(solver.solve(pairs, SO3<S>()).failure == TwoViewFailure::few_pairs);
 
   const TwoViewScene random(TwoViewKind::general, 3, 0, 1);
   const auto none = solver.solve(random.pairs_as<S>(), SO3<S>());
   CHECK(!none.valid);
-  CHECK(none.doubt == TwoViewDoubt::no_agreement);
+  CHECK(none.failure == TwoViewFailure::no_consensus);
 
   const TwoViewScene scene(TwoViewKind::general, 6, 1e-3, 0.1);
   pairs = scene.pairs_as<S>();

@@ -85,7 +85,7 @@ TEST_CASE("segment_depth_filter: beta is what the anchor's ray does to the mean"
   CHECK(mean(0).by_anchor == Approx(numeric).epsilon(0.05));
 }
 
-TEST_CASE("segment_depth_filter: errors are those that it claims") {
+TEST_CASE("segment_depth_filter: errors are consistent with its variance") {
   double squares = 0, own = 0;
   int count = 0, converged = 0;
   for (int seed = 0; seed < 400; ++seed) {
@@ -112,7 +112,7 @@ TEST_CASE("segment_depth_filter: errors are those that it claims") {
   CHECK(own / count > 2);  // the anchor's error does not average out
 }
 
-TEST_CASE("segment_depth_filter: a baseline in the plane of the line, or none, says nothing") {
+TEST_CASE("segment_depth_filter: a baseline in the plane of the line, or none, gives no update") {
   Scene<double> scene(1, 1);
   const SegmentRays<double> anchor = scene.rays({});
   auto filter = SegmentDepthFilter<double>::around(0.4);
@@ -141,7 +141,7 @@ TEST_CASE("segment_depth_filter: a baseline in the plane of the line, or none, s
   CHECK(is_as_it_was());
 }
 
-TEST_CASE("segment_depth_filter: edges that mean another line are given up") {
+TEST_CASE("segment_depth_filter: edges of another line are rejected") {
   Scene<double> scene(2, 1), other(3, 1);
   other.p = scene.p, other.q = scene.q;
   Random random(5);

@@ -51,7 +51,7 @@ TEMPLATE_TEST_CASE("two_view: the pose from a rotation that is wrong by three de
   REQUIRE(found.parallax > S(0.03));
 }
 
-TEMPLATE_TEST_CASE("two_view: wrong pairs are told from right ones", "", float, double) {
+TEMPLATE_TEST_CASE("two_view: inliers and outliers are distinguished", "", float, double) {
   using S = TestType;
   const Scene<S> scene(5e-4, true);
   TwoViewSolver<S, 200> solver;
@@ -64,7 +64,7 @@ TEMPLATE_TEST_CASE("two_view: wrong pairs are told from right ones", "", float, 
   REQUIRE(wrong_kept < 15);
 }
 
-TEST_CASE("two_view: nothing to go by") {
+TEST_CASE("two_view: too few or degenerate pairs") {
   TwoViewSolver<double, 200> solver;
   FixedVector<BearingPair<double>, 200> few;
   REQUIRE(!solver.solve(few, SO3<double>(), {}).valid);

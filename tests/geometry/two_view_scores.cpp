@@ -22,7 +22,7 @@ TEMPLATE_TEST_CASE("two_view_scores: the most there is without noise, little for
   CHECK(of_general.homography(H) < all / 4);
   CHECK(of_plane.essential(E) < all / 4);
   CHECK(of_general.homography(general.T_2_1.rotation().template cast<S>().matrix()) < all / 4);
-  CHECK(of_plane.essential(E, all) <= of_plane.essential(E));  // given up
+  CHECK(of_plane.essential(E, all) <= of_plane.essential(E));  // ended early
 }
 
 TEMPLATE_TEST_CASE("two_view_scores: only the true one of four motions has the points in front", "", float, double) {
@@ -43,7 +43,7 @@ TEMPLATE_TEST_CASE("two_view_scores: only the true one of four motions has the p
   }
 }
 
-TEMPLATE_TEST_CASE("two_view_scores: the noise is found though another was said", "", float, double) {
+TEMPLATE_TEST_CASE("two_view_scores: the noise is estimated though another was stated", "", float, double) {
   using S = TestType;
   const double said = GENERATE(1e-3, 2e-3);
   double mean = 0;

@@ -36,15 +36,15 @@ void check_everywhere(const ImageView<const std::uint8_t>& image) {
   Patch<Size> patch;
   int inside = 0;
   for (int i = 0; i < 2000; ++i) {
-    Vec<float, 2> centre(float(random.uniform() * (width - 1)), float(random.uniform() * (height - 1)));
-    if (i % 3 == 0) centre = centre.array().round();
-    if (i % 7 == 0) centre.x() = i % 2 == 0 ? 0.0f : float(width - 1);
-    inside += patch_inside(image, centre, Size);
-    interpolate_patch<Size>(image, centre, patch);
+    Vec<float, 2> center(float(random.uniform() * (width - 1)), float(random.uniform() * (height - 1)));
+    if (i % 3 == 0) center = center.array().round();
+    if (i % 7 == 0) center.x() = i % 2 == 0 ? 0.0f : float(width - 1);
+    inside += patch_inside(image, center, Size);
+    interpolate_patch<Size>(image, center, patch);
     for (int y = 0; y < Size; ++y) {
       for (int x = 0; x < Size; ++x) {
         const double expected =
-            sample(image, double(centre.x()) + x - 0.5 * (Size - 1), double(centre.y()) + y - 0.5 * (Size - 1));
+            sample(image, double(center.x()) + x - 0.5 * (Size - 1), double(center.y()) + y - 0.5 * (Size - 1));
         REQUIRE(std::abs(patch[y * Size + x] - expected) < 5e-3);
       }
     }
@@ -63,7 +63,7 @@ TEST_CASE("patch: samples are bilinear and repeat the edge outside") {
   check_everywhere<14>(image);
 }
 
-TEST_CASE("patch: inside means that every neighbour of every sample is a pixel") {
+TEST_CASE("patch: inside means that every neighbor of every sample is a pixel") {
   const std::vector<std::uint8_t> pixels = random_pixels();
   const ImageView<const std::uint8_t> image{pixels.data(), width, height, width};
   REQUIRE(patch_inside(image, Vec<float, 2>(3.5f, 3.5f), 8));
@@ -75,7 +75,7 @@ TEST_CASE("patch: inside means that every neighbour of every sample is a pixel")
   REQUIRE_FALSE(patch_inside(image, Vec<float, 2>(20.0f, nan), 8));
 }
 
-TEST_CASE("patch: warped samples lie at centre + A D") {
+TEST_CASE("patch: warped samples lie at center + A D") {
   const std::vector<std::uint8_t> pixels = random_pixels();
   const ImageView<const std::uint8_t> image{pixels.data(), width, height, width};
   Random random(13);
@@ -84,12 +84,12 @@ TEST_CASE("patch: warped samples lie at centre + A D") {
   for (int i = 0; i < 2000; ++i) {
     Mat<float, 2, 2> A;
     for (float& a : A.reshaped()) a = float(4 * random.uniform() - 2);
-    const Vec<float, 2> centre(float(random.uniform() * width), float(random.uniform() * height));
-    if (!interpolate_warped_patch<6>(image, centre, A, patch)) continue;
+    const Vec<float, 2> center(float(random.uniform() * width), float(random.uniform() * height));
+    if (!interpolate_warped_patch<6>(image, center, A, patch)) continue;
     ++inside;
     for (int y = 0; y < 6; ++y) {
       for (int x = 0; x < 6; ++x) {
-        const Vec<double, 2> at = centre.cast<double>() + A.cast<double>() * Vec<double, 2>(x - 2.5, y - 2.5);
+        const Vec<double, 2> at = center.cast<double>() + A.cast<double>() * Vec<double, 2>(x - 2.5, y - 2.5);
         REQUIRE(std::abs(patch[y * 6 + x] - sample(image, at.x(), at.y())) < 1e-2);
       }
     }

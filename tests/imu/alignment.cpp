@@ -96,7 +96,7 @@ TEST_CASE("alignment: sigmas are those of simulated noise") {
 }
 
 // As among white walls, where few corners are in sight: along its axis a camera is known worse, now and then by far.
-TEST_CASE("alignment: poses count by what is known of them") {
+TEST_CASE("alignment: poses are weighted by their covariance") {
   testing::Gaussian normal(8);
   InertialAlignmentOptions options;
   options.max_scale_sigma = 1;
@@ -130,7 +130,7 @@ TEST_CASE("alignment: poses count by what is known of them") {
   REQUIRE(known < unknown / 2);
 }
 
-TEST_CASE("alignment: says what is missing") {
+TEST_CASE("alignment: reports the missing condition") {
   const Vec<double, 3> zero = Vec<double, 3>::Zero();
   {
     const test::SimulatedAlignment<double> s(1, 1, zero, zero, 4);
@@ -161,13 +161,13 @@ TEST_CASE("alignment: says what is missing") {
     }
     const InertialAlignment<double, 10> a = align_inertial<10>(s.span(), s.T_body_cam);
     CAPTURE(a.chi2);
-    REQUIRE((a.outcome == AlignmentOutcome::positions_disagree && !a.is_rough()));
+    REQUIRE((a.outcome == AlignmentOutcome::positions_disagree && !a.is_uncertain()));
   }
   {
     const test::SimulatedAlignment<double> s(1, 1, zero, zero, 10, false);
     const InertialAlignment<double, 10> a = align_inertial<10>(s.span(), s.T_body_cam);
     REQUIRE((a.outcome == AlignmentOutcome::scale_uncertain && a.excitation < 1e-9));  // it could have any
-    REQUIRE((!a.is_rough() && std::string_view(name_of(a.outcome)) == "scale uncertain"));
+    REQUIRE((!a.is_uncertain() && std::string_view(name_of(a.outcome)) == "scale uncertain"));
     REQUIRE(align_inertial<10>(s.span(), s.T_body_cam, {.metric = true}).outcome == AlignmentOutcome::aligned);
   }
   {

@@ -16,9 +16,9 @@ constexpr double none = std::numeric_limits<double>::infinity();
 
 double quantized(double value, double step) { return step * std::round(value / step); }
 
-/// Readings of a body that is shaken, 200 a second, each changed by change(double&).
+/// Samples of a shaken body at 200 Hz, each changed by change(double&).
 double found(double seconds, double noise, auto&& change) {
-  FullScaleFinder finder({.least = 5});
+  FullScaleFinder finder({.min_full_scale = 5});
   testing::Gaussian gaussian(3);
   for (int k = 0; k < int(200 * seconds); ++k) {
     const double t = k / 200.0;
@@ -34,25 +34,25 @@ double found(double seconds, double noise, auto&& change) {
 
 }  // namespace
 
-TEST_CASE("full_scale: readings that are cut off are found out") {
-  for (const double rail : {8.0, 9.5, 10.5}) {
-    const auto cut = [&](double& a) { a = std::fmin(std::fmax(a, -rail), rail); };
-    REQUIRE(found(12, 0.1, cut) == rail);
-    const auto coarse = [&](double& a) { a = std::fmin(quantized(a, 0.005), rail); };
-    REQUIRE(found(12, 0.1, coarse) == rail);
+TEST_CASE("full_scale: clipped samples are detected") {
+  for (const double full_scale : {8.0, 9.5, 10.5}) {
+    const auto cut = [&](double& a) { a = std::fmin(std::fmax(a, -full_scale), full_scale); };
+    REQUIRE(found(12, 0.1, cut) == full_scale);
+    const auto coarse = [&](double& a) { a = std::fmin(quantized(a, 0.005), full_scale); };
+    REQUIRE(found(12, 0.1, coarse) == full_scale);
   }
 }
 
-TEST_CASE("full_scale: those that are not are left alone, coarse ones as well") {
+TEST_CASE("full_scale: samples that are not clipped are not, coarse ones neither") {
   REQUIRE(found(60, 0.1, [](double&) {}) == none);
   REQUIRE(found(60, 0.1, [](double& a) { a = quantized(a, 0.04); }) == none);
   REQUIRE(found(60, 0.02, [](double& a) { a = quantized(a, 0.15); }) == none);
 }
 
-TEST_CASE("full_scale: a sensor at rest is at no rail, however coarse") {
+TEST_CASE("full_scale: a stationary sensor is not saturated, however coarse") {
   for (const double step : {1e-3, 0.04, 0.15}) {
     for (const double noise : {0.0, 0.01, 0.05, 0.1}) {
-      FullScaleFinder finder({.least = 5});
+      FullScaleFinder finder({.min_full_scale = 5});
       testing::Gaussian gaussian(5);
       for (int k = 0; k < 20000; ++k) {
         const double tilt = k < 10000 ? 0 : 1e-4 * (k - 10000);  // and then is tilted
@@ -65,8 +65,8 @@ TEST_CASE("full_scale: a sensor at rest is at no rail, however coarse") {
   }
 }
 
-TEST_CASE("full_scale: what is exceeded was no rail, and small numbers are none") {
-  FullScaleFinder small({.least = 5}), finder({.least = 5});
+TEST_CASE("full_scale: an exceeded value was no full scale, nor are small values") {
+  FullScaleFinder small({.min_full_scale = 5}), finder({.min_full_scale = 5});
   for (int k = 0; k < 40; ++k) {
     small.add({k % 2 == 0 ? -4 : 0.01 * k, 0, 0});
     finder.add({k % 2 == 0 ? -9.5 : 0.01 * k, 0, 0});
@@ -77,8 +77,8 @@ TEST_CASE("full_scale: what is exceeded was no rail, and small numbers are none"
   REQUIRE(finder.found() == none);
 }
 
-TEST_CASE("full_scale: a sensor that is switched to a smaller range is found out as well") {
-  FullScaleFinder finder({.least = 5});
+TEST_CASE("full_scale: a sensor that is switched to a smaller range is detected, too") {
+  FullScaleFinder finder({.min_full_scale = 5});
   testing::Gaussian gaussian(7);
   for (int k = 0; k < 4000; ++k) {
     const double a = 9.6 + gaussian();
@@ -88,8 +88,8 @@ TEST_CASE("full_scale: a sensor that is switched to a smaller range is found out
   REQUIRE(finder.found() == 9.5);
 }
 
-TEST_CASE("full_scale: readings that are no numbers change nothing") {
-  FullScaleFinder finder({.least = 5});
+TEST_CASE("full_scale: samples that are not finite change nothing") {
+  FullScaleFinder finder({.min_full_scale = 5});
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (int k = 0; k < 40; ++k) finder.add({nan, nan, nan});
   REQUIRE(finder.found() == none);

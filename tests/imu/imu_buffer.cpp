@@ -14,7 +14,7 @@ namespace {
 
 constexpr TimeNs ms = 1'000'000, t0 = 1'400'000'000'000'000'000;
 
-/// Readings that are linear in time: w = (t, 2 t, 0), a = (0, t, 9.81), t in seconds from t0.
+/// Samples that are linear in time: w = (t, 2 t, 0), a = (0, t, 9.81), t in seconds from t0.
 ImuSample linear(TimeNs t_ns) {
   const double t = seconds_between(t0, t_ns);
   return {t_ns, {t, 2 * t, 0}, {0, t, 9.81}};
@@ -83,7 +83,7 @@ TEST_CASE("imu_buffer: nothing to give") {
   REQUIRE(!extract(buffer, t0 + 2 * ms, t0 + ms).coverage.valid);
 }
 
-TEST_CASE("imu_buffer: refuses NaN and repeated times, and goes on") {
+TEST_CASE("imu_buffer: rejects NaN and repeated times, and continues") {
   ImuBuffer<64> buffer = filled(10 * ms);
   ImuSample bad = linear(t0 + 15 * ms);
   bad.accel.y() = std::numeric_limits<double>::quiet_NaN();
@@ -140,7 +140,7 @@ TEST_CASE("imu_buffer: what comes after the frame that needed it is late") {
   buffer.mark_used(t0 + 30 * ms);  // a frame that did not wait: in order they still serve the next one
   REQUIRE(buffer.add(linear(t0 + 25 * ms)));
   REQUIRE((buffer.counts().late == 3 && buffer.size() == 7));
-  REQUIRE(buffer.add(linear(t0 - 5000 * ms))->clock_jumped);  // another clock, of which nothing was used
+  REQUIRE(buffer.add(linear(t0 - 5000 * ms))->clock_jumped);  // the clock was set back; no sample of it was used
   REQUIRE((buffer.add(linear(t0 - 5001 * ms)) && buffer.counts().late == 3));
 
   ImuBuffer<4> small;
@@ -149,7 +149,7 @@ TEST_CASE("imu_buffer: what comes after the frame that needed it is late") {
   REQUIRE((small.add(linear(t0 + 6 * ms)) && small.size() == 4 && small[0].t_ns == t0 + 6 * ms));
 }
 
-TEST_CASE("imu_buffer: a clock that was set starts anew, also after absurd time stamps") {
+TEST_CASE("imu_buffer: a jump of the time stamps clears the buffer, also after absurd ones") {
   for (const TimeNs jump : {TimeNs(2'000) * ms, -TimeNs(5'000) * ms, t0, -3 * t0}) {
     ImuBuffer<64> buffer = filled(10 * ms);
     const TimeNs t = t0 + jump;
@@ -163,7 +163,7 @@ TEST_CASE("imu_buffer: a clock that was set starts anew, also after absurd time 
   }
 }
 
-TEST_CASE("imu_buffer: interpolates over a gap, and says so") {
+TEST_CASE("imu_buffer: interpolates over a gap, and reports it") {
   const ImuBuffer<64> buffer = filled(200 * ms, 50 * ms, 150 * ms);
   const Extracted e = extract(buffer, t0 + 40 * ms, t0 + 100 * ms);
   REQUIRE(e.intervals.size() == 3);  // 40 - 45 - 50 - 100
@@ -192,7 +192,7 @@ TEST_CASE("imu_buffer: holds the nearest sample outside of its samples") {
   REQUIRE(extract(buffer, t0 - 30 * ms, t0 + 40 * ms).intervals.size() == 6);
 }
 
-TEST_CASE("imu_buffer: saturated readings are clipped and doubted, each sensor by itself") {
+TEST_CASE("imu_buffer: saturated samples are clipped and their noise inflated, per sensor") {
   ImuBufferOptions options;
   options.gyro_full_scale = 4;
   options.accel_full_scale = 80;
@@ -207,16 +207,16 @@ TEST_CASE("imu_buffer: saturated readings are clipped and doubted, each sensor b
   const Extracted e = extract(buffer, t0, t0 + 40 * ms);
   REQUIRE((e.coverage.saturated_s == Approx(0.03) && e.coverage.gyro_saturated_s == Approx(0.01)));
   REQUIRE((e.intervals[1].accel_end.x() == -80 && e.intervals[1].gyro_sigma == 0));
-  for (int k = 0; k < 8; ++k) {                  // the interval from sample k to the next
-    const int blind = k >= 1 && k <= 4 ? k : 0;  // intervals at the rail so far
-    REQUIRE(e.intervals[k].accel_sigma[0] == Approx(80 * std::sqrt(blind)).epsilon(1e-6));
+  for (int k = 0; k < 8; ++k) {                      // the interval from sample k to the next
+    const int saturated = k >= 1 && k <= 4 ? k : 0;  // saturated intervals so far
+    REQUIRE(e.intervals[k].accel_sigma[0] == Approx(80 * std::sqrt(saturated)).epsilon(1e-6));
   }
   REQUIRE((e.intervals[4].gyro_sigma == 0 && e.intervals[5].gyro_sigma == Approx(4)));
   REQUIRE((e.intervals[6].gyro_sigma == Approx(4 * std::sqrt(2.0)) && e.intervals[7].gyro_sigma == 0));
   REQUIRE(buffer.counts().saturated == 4);
 }
 
-TEST_CASE("imu_buffer: a full scale that nobody stated is found out, and doubted from then on") {
+TEST_CASE("imu_buffer: an unknown full scale is detected, and the noise inflated from then on") {
   ImuBufferOptions options;
   options.vibration = 0;
   ImuBuffer<64> buffer(options);
@@ -233,7 +233,7 @@ TEST_CASE("imu_buffer: a full scale that nobody stated is found out, and doubted
 
 TEST_CASE("imu_buffer: one error for all of a gap, wherever it is cut") {
   const ImuBuffer<64> buffer = filled(200 * ms, 50 * ms, 150 * ms);
-  double variance = 0;  // of the integrated reading
+  double variance = 0;  // of the integral
   for (TimeNs t = t0 + 50 * ms; t < t0 + 150 * ms; t += 20 * ms) {
     const ImuInterval<double> i = extract(buffer, t, t + 20 * ms).intervals.at(0);
     variance += i.gyro_sigma * i.gyro_sigma * i.dt * i.dt;
@@ -256,7 +256,7 @@ TEST_CASE("imu_buffer: a sensor that repeats itself is frozen until it changes")
   REQUIRE(!buffer.add(linear(s.t_ns + 5 * ms))->frozen);
 }
 
-TEST_CASE("imu_buffer: an accelerometer that shakes is doubted by a part of what its readings differ by") {
+TEST_CASE("imu_buffer: the noise of a vibrating accelerometer is inflated by a part of the sample differences") {
   testing::Gaussian noise(7);
   ImuBuffer<512> buffer;
   const ImuBufferOptions& options = buffer.options();
@@ -281,7 +281,7 @@ TEST_CASE("imu_buffer: an accelerometer that shakes is doubted by a part of what
   CHECK(extract(buffer, t0 + 5995 * ms, t0 + 6000 * ms).intervals[0].gyro_sigma == 0);
 }
 
-TEST_CASE("imu_buffer: forgets the oldest when full") {
+TEST_CASE("imu_buffer: drops the oldest when full") {
   const ImuBuffer<64> buffer = filled(1000 * ms);
   REQUIRE((buffer.size() == 64 && buffer[0].t_ns == t0 + (1000 - 63 * 5) * ms));
   REQUIRE(extract(buffer, t0, t0 + 1000 * ms).coverage.held_s == Approx(1 - 63 * 0.005));

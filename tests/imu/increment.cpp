@@ -107,7 +107,7 @@ TEST_CASE("increment: covariance is that of simulated noise, cross terms include
   constexpr int runs = 4000;
   for (int i = 0; i < runs; ++i) {
     ImuIncrement<double> noisy;
-    Vec<double, 6> bias = Vec<double, 6>::Zero();  // a white reading for each interval, biases that wander between them
+    Vec<double, 6> bias = Vec<double, 6>::Zero();  // a white sample for each interval, biases that wander between them
     test::for_each_interval(motion, 0, half_second, 100, [&](ImuInterval<double> d) {
       const Vec<double, 3> w = bias.head<3>() + noise.gyro_density / root_dt * normal.vector<3>();
       const Vec<double, 3> a = bias.tail<3>() + noise.accel_density / root_dt * normal.vector<3>();
@@ -147,17 +147,17 @@ TEMPLATE_TEST_CASE("increment: square root of the information, from one interval
   }
 }
 
-TEST_CASE("increment: doubtful readings count as noise") {
+TEST_CASE("increment: the sigma of an interval counts as noise") {
   testing::Gaussian normal(6);
   const test::RandomMotion motion(normal);
   ImuInterval<double> d = test::interval_between(motion.at(0), motion.at(5'000'000));
-  ImuIncrement<double> plain, doubtful;
+  ImuIncrement<double> plain, inflated;
   plain.integrate(d, {});
   d.gyro_sigma = 0.4, d.accel_sigma = {2, 3, 4};
-  doubtful.integrate(d, {});
+  inflated.integrate(d, {});
   REQUIRE(plain.covariance(0, 0) == Approx(1.7e-4 * 1.7e-4 * 0.005).epsilon(1e-3));
-  REQUIRE(std::sqrt(doubtful.covariance(0, 0)) == Approx(0.4 * 0.005).epsilon(1e-3));
+  REQUIRE(std::sqrt(inflated.covariance(0, 0)) == Approx(0.4 * 0.005).epsilon(1e-3));
   for (int k = 0; k < 3; ++k)
-    REQUIRE(std::sqrt(doubtful.covariance(6 + k, 6 + k)) == Approx(d.accel_sigma[k] * 0.005).epsilon(1e-2));
-  REQUIRE(doubtful.delta.dv == plain.delta.dv);
+    REQUIRE(std::sqrt(inflated.covariance(6 + k, 6 + k)) == Approx(d.accel_sigma[k] * 0.005).epsilon(1e-2));
+  REQUIRE(inflated.delta.dv == plain.delta.dv);
 }

@@ -8,14 +8,14 @@
 #include "plumbline/imu/alignment.hpp"
 #include "plumbline/imu/imu_buffer.hpp"
 #include "plumbline/imu/preintegration.hpp"
-#include "plumbline/imu/standstill.hpp"
+#include "plumbline/imu/stationarity.hpp"
 #include "plumbline/residual/inertial.hpp"
 #include "plumbline/residual/zero_motion.hpp"
 
 using namespace plumbline;
 using test::allocations_of;
 
-TEMPLATE_TEST_CASE("no_heap: buffer, preintegration, residuals, standstill, alignment", "", float, double) {
+TEMPLATE_TEST_CASE("no_heap: buffer, preintegration, residuals, stationarity, alignment", "", float, double) {
   using S = TestType;
   const test::SimulatedAlignment<S> s(1, 2, {0.01, 0.02, 0.03}, {0.1, 0.1, 0.1});
   testing::Gaussian normal(1);
@@ -31,7 +31,7 @@ TEMPLATE_TEST_CASE("no_heap: buffer, preintegration, residuals, standstill, alig
             const NavState<S> x_i, x_j = preintegration.increment().predict(x_i, gravity_in_world<S>());
             auto lin = InertialResidual<S>{preintegration.increment(), gravity_in_world<S>()}.linearize(x_i, x_j);
             lin.whiten(*preintegration.increment().square_root_information());
-            const StandstillReport report = standstill(buffer, 1'000'000'000);
+            const StationarityReport report = stationarity(buffer, 1'000'000'000);
             const auto still = ZeroMotion<S>{}.linearize(x_i.T_world_body, x_j.T_world_body);
             const InertialAlignment<S, 10> a = align_inertial<10>(s.span(), s.T_body_cam.template cast<S>());
             sum += lin.r.sum() + still.r.sum() + a.scale + S(coverage.intervals) + S(report.gyro_spread);

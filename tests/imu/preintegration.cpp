@@ -80,7 +80,7 @@ TEMPLATE_TEST_CASE("preintegration: when full, twice the step and the same motio
   }
 }
 
-// The oldest readings must not be merged each time that there is no more room: they would become one step of seconds.
+// The oldest samples must not be merged each time that there is no more room: they would become one step of seconds.
 TEMPLATE_TEST_CASE("preintegration: steps of a long one are all alike", "", float, double) {
   using S = TestType;
   testing::Gaussian normal(5);
@@ -108,14 +108,14 @@ TEMPLATE_TEST_CASE("preintegration: steps of a long one are all alike", "", floa
   }
 }
 
-TEMPLATE_TEST_CASE("preintegration: an accelerometer in doubt moves nothing and leaves its velocity open", "", float,
+TEMPLATE_TEST_CASE("preintegration: a suspect accelerometer inflates the velocity and changes nothing else", "", float,
                    double) {
   using S = TestType;
   testing::Gaussian normal(3);
   const test::RandomMotion motion(normal);
   Preintegration<S, 256> p = preintegrated<S>(motion, 0, one_second);
   const ImuIncrement<S> sure = p.increment();
-  p.doubt_accelerometer(S(20));
+  p.inflate_accelerometer_noise(S(20));
   REQUIRE((p.increment().delta.dv == sure.delta.dv && p.increment().delta.dp == sure.delta.dp));
   REQUIRE(minus(p.increment().delta.dR, sure.delta.dR).norm() == 0);
   for (int k = 0; k < 3; ++k) {

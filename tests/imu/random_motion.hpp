@@ -1,5 +1,5 @@
 #pragma once
-// Random inertial states and exact inertial readings of a smooth random motion.
+// Random inertial states and exact IMU samples of a smooth random motion.
 
 #include <cmath>
 
@@ -20,7 +20,7 @@ inline NavState<double> random_state(testing::Gaussian& normal) {
   return x;
 }
 
-/// Readings as smooth functions of time: about 1 rad/s and 4 m/s^2 besides gravity.
+/// IMU samples as smooth functions of time: about 1 rad/s and 4 m/s^2 besides gravity.
 class RandomMotion {
  public:
   explicit RandomMotion(testing::Gaussian& normal) {

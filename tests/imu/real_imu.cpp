@@ -13,13 +13,15 @@
 #include "plumbline/imu/alignment.hpp"
 #include "plumbline/imu/imu_buffer.hpp"
 #include "plumbline/imu/preintegration.hpp"
-#include "plumbline/imu/standstill.hpp"
+#include "plumbline/imu/stationarity.hpp"
 #include "plumbline/io/text.hpp"
 #include "plumbline/testing/gaussian.hpp"
 
 using namespace plumbline;
 
 namespace {
+
+const std::filesystem::path imu_only = std::filesystem::path(PLUMBLINE_TEST_DATA) / "imu_only";
 
 struct Flight {
   struct Truth {
@@ -30,7 +32,7 @@ struct Flight {
   std::vector<Truth> truth;  ///< 200 Hz
 
   explicit Flight(const std::string& name) {
-    const std::filesystem::path mav = std::filesystem::path(PLUMBLINE_TEST_DATA) / "imu_only" / name / "mav0";
+    const std::filesystem::path mav = imu_only / name / "mav0";
     for (io::RowReader row(mav / "imu0/data.csv"); row.next();) {
       imu.push_back({row.time_in_nanoseconds(), columns(row, 1), columns(row, 4)});
     }
@@ -68,7 +70,8 @@ const Vec<double, 3> gravity = gravity_in_world<double>();
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("real_imu: propagation from the truth", "", float, double) {
+TEMPLATE_TEST_CASE("real_imu: propagation from the truth", "[data]", float, double) {
+  if (skip_without(imu_only)) return;
   using S = TestType;
   struct Expected {  // median, 95 %
     double duration, rotation_deg[2], velocity[2], position[2];
@@ -109,12 +112,13 @@ TEMPLATE_TEST_CASE("real_imu: propagation from the truth", "", float, double) {
   run(hall, {3, {0.06, 0.11}, {0.06, 0.13}, {0.12, 0.27}});
 }
 
-TEST_CASE("real_imu: merged readings integrate to the same motion") {
+TEST_CASE("real_imu: merged samples integrate to the same motion", "[data]") {
+  if (skip_without(imu_only)) return;
   for (const char* name : {"euroc_V1_02_medium", "euroc_MH_04_difficult"}) {
     const Flight flight(name);
     std::vector<double> rotation, velocity, position;
     for (std::size_t i = 0; i + 200 < flight.truth.size(); i += 100) {
-      Preintegration<double, 128> merged;  // 200 readings in 128 places
+      Preintegration<double, 128> merged;  // 200 samples in 128 intervals
       const TimeNs begin = flight.truth[i].t_ns, end = flight.truth[i + 200].t_ns;
       flight.buffer(begin, end).for_each_interval(begin, end, [&](const ImuInterval<double>& d) { merged.add(d); });
       const ImuIncrement<double>::Delta all = merged.increment().delta;
@@ -130,18 +134,19 @@ TEST_CASE("real_imu: merged readings integrate to the same motion") {
   }
 }
 
-TEST_CASE("real_imu: standstill") {
+TEST_CASE("real_imu: stationarity", "[data]") {
+  if (skip_without(imu_only)) return;
   std::vector<double> gyro, tilt_deg;
   for (const char* name : {"euroc_V1_02_medium", "euroc_MH_04_difficult"}) {
     const Flight flight(name);
     for (std::size_t i = 200; i < flight.truth.size(); i += 20) {
       const Flight::Truth& truth = flight.truth[i];
-      const StandstillReport report = standstill(flight.buffer(truth.t_ns - 1'000'000'000, truth.t_ns), truth.t_ns);
-      if (!report.at_rest()) continue;
+      const StationarityReport report = stationarity(flight.buffer(truth.t_ns - 1'000'000'000, truth.t_ns), truth.t_ns);
+      if (!report.is_stationary()) continue;
       CAPTURE(name, i, report.gyro_spread, report.accel_spread);
       REQUIRE(truth.x.v_world_body.norm() < 0.05);
       REQUIRE((truth.x.T_world_body.p() - flight.truth[i - 200].x.T_world_body.p()).norm() < 0.02);
-      const NavState<double> x = state_at_rest<double>(report);
+      const NavState<double> x = stationary_state<double>(report);
       const Vec<double, 3> down(0, 0, -1);
       gyro.push_back((x.bias_gyro - truth.x.bias_gyro).norm());
       tilt_deg.push_back(
@@ -154,7 +159,8 @@ TEST_CASE("real_imu: standstill") {
   REQUIRE((quantile(tilt_deg, 0.5) < 1.2 && quantile(tilt_deg, 1) < 1.5));  // 0.15 m/s^2 of accelerometer bias
 }
 
-TEST_CASE("real_imu: initialization from noisy camera poses") {
+TEST_CASE("real_imu: initialization from noisy camera poses", "[data]") {
+  if (skip_without(imu_only)) return;
   using Frame = AlignmentFrame<Preintegration<double>>;
   struct Errors {
     std::vector<double> scale, gravity_deg, gyro, velocity;
@@ -212,7 +218,7 @@ TEST_CASE("real_imu: initialization from noisy camera poses") {
       CAPTURE(quantile(errors.velocity, 0.5), quantile(errors.velocity, 0.95));
       REQUIRE(outcomes[AlignmentOutcome::aligned] > (metric ? 0.95 : 0.6) * tried);
       REQUIRE((quantile(errors.scale, 0.5) < 0.05 && quantile(errors.scale, 0.95) < 0.15));
-      // An offset of 0.7 m/s^2 that nothing told from gravity would be 4 degrees.
+      // An offset of 0.7 m/s^2 not separated from gravity would be 4 degrees.
       REQUIRE(quantile(errors.gravity_deg, 0.5) < (off ? 3.5 : 1));
       REQUIRE(quantile(errors.gravity_deg, 0.95) < (off ? 4.5 : 1.8));
       REQUIRE((quantile(errors.gyro, 0.5) < 0.002 && quantile(errors.gyro, 0.95) < 0.005));

@@ -1,5 +1,5 @@
 #pragma once
-// Frames to align: a random motion with exact readings, camera poses from its truth.
+// Frames to align: a random motion with exact IMU samples, camera poses from its truth.
 
 #include <span>
 #include <vector>
@@ -21,7 +21,7 @@ struct SimulatedAlignment {
   SE3<double> T_body_cam{SO3<double>::exp({0.4, -1.2, 0.9}), {0.1, -0.05, 0.2}};
   SO3<double> R_ref_world = SO3<double>::exp({-1, 0.3, 2});
 
-  /// Camera poses in a frame of their own, in units of `scale` metres. Without shaking the body rests.
+  /// Camera poses in a frame of their own, in units of `scale` meters. Without shaking the body is stationary.
   SimulatedAlignment(std::uint64_t seed, double scale, const Vec<double, 3>& bias_gyro,
                      const Vec<double, 3>& bias_accel, int count = 10, bool shaken = true, TimeNs step = 200'000'000) {
     testing::Gaussian normal(seed);
@@ -32,7 +32,7 @@ struct SimulatedAlignment {
     x.bias_accel = bias_accel;
     if (!shaken) x.v_world_body.setZero();
     const Vec<double, 3> g = gravity_in_world<double>(),
-                         at_rest = x.T_world_body.rotation().inverse() * Vec<double, 3>(-g);
+                         is_stationary = x.T_world_body.rotation().inverse() * Vec<double, 3>(-g);
     for (int k = 0; k < count; ++k) {
       imu.emplace_back(ImuNoise{});
       if (k > 0) {
@@ -40,7 +40,7 @@ struct SimulatedAlignment {
         for_each_interval(motion, k * step, (k + 1) * step, 40, [&](ImuInterval<double> d) {
           if (!shaken) {
             d.gyro_begin = d.gyro_end = Vec<double, 3>::Zero();
-            d.accel_begin = d.accel_end = at_rest;
+            d.accel_begin = d.accel_end = is_stationary;
           }
           d.gyro_begin += bias_gyro, d.gyro_end += bias_gyro;
           d.accel_begin += bias_accel, d.accel_end += bias_accel;

@@ -101,13 +101,13 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-/// Reading `text` fails, with `what` said of the given line.
+/// Reading `text` fails, with `what` in the message, for the given line.
 void require_error(const std::string& text, int line, const std::string& what) {
   const TemporaryDirectory directory;
   const auto file = directory.write("calibration.yaml", text);
   const std::string message = message_of([&] { read_calibration(file); });
   CAPTURE(message, line, what);
-  REQUIRE(says(message, file, line, what));
+  REQUIRE(reports(message, file, line, what));
 }
 
 Calibration read(const std::string& text) {
@@ -196,7 +196,7 @@ TEST_CASE("calibration: OpenCV matrices") {
   REQUIRE((c.camera.width == 640 && c.camera.height == 480 && !c.T_body_camera));
 }
 
-TEST_CASE("calibration: make_camera projects as the model says") {
+TEST_CASE("calibration: make_camera projects as the model") {
   const AnyCamera<double> camera = make_camera<double>(read(plain).camera);
   const Projection<double> center = camera.project({0, 0, 2});
   REQUIRE((center.valid && center.uv.isApprox(Vec<double, 2>(320, 240))));
@@ -230,7 +230,7 @@ TEST_CASE("calibration: numbers that cannot be") {
   require_error(replaced(replaced(plain, "320, 240]", "320, 500]"), "[640, 480]", "[640, 480]"), 6, "principal point");
   require_error(replaced(euroc, "[752, 480]", "[300, 752]"), 12, "principal point");
   require_error(replaced(plain, "rate_hz: 30", "rate_hz: 0"), 7, "camera.rate_hz must be from 0.01 to 10000 Hz, is 0");
-  require_error(replaced(plain, "scale: 5000", "scale: -1"), 9, "depth.scale must be from 1 to 1e+06 units per metre");
+  require_error(replaced(plain, "scale: 5000", "scale: -1"), 9, "depth.scale must be from 1 to 1e+06 units per meter");
   require_error(replaced(plain, "density: 1e-4", "density: 0"), 17, "imu.gyroscope_noise_density must be from");
   require_error(replaced(plain, "walk: 4e-3", "walk: .inf"), 20, "not a finite number");
   require_error(replaced(plain, "0.002, 0.3]", "0.002, 0.3, 0.1]"), 5, "4 or 5 values");
@@ -302,15 +302,16 @@ TEST_CASE("calibration: files that are no calibration") {
   require_error("fx: 500\n", 0, "not a camera calibration");
   require_error("camera: 3\n", 1, "camera must be a mapping");
   const std::string missing = message_of([] { read_calibration("/nowhere/calibration.yaml"); });
-  REQUIRE(says(missing, "/nowhere/calibration.yaml", 0, "no such file"));
+  REQUIRE(reports(missing, "/nowhere/calibration.yaml", 0, "no such file"));
 }
 
 TEST_CASE("calibration: a camera beside an IMU needs the transform, and the IMU is the body") {
   const TemporaryDirectory directory;
   const auto camera = directory.write("camera.yaml", opencv), imu = directory.write("imu.yaml", kalibr_imu);
-  REQUIRE(says(message_of([&] { read_calibration(camera, imu); }), camera, 0, "no transform between camera and IMU"));
+  REQUIRE(
+      reports(message_of([&] { read_calibration(camera, imu); }), camera, 0, "no transform between camera and IMU"));
   const auto moved =
       directory.write("moved.yaml", kalibr_imu + "T_BS: [1, 0, 0, 0.1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n");
   const auto euroc_camera = directory.write("euroc.yaml", euroc);
-  REQUIRE(says(message_of([&] { read_calibration(euroc_camera, moved); }), moved, 7, "must be the identity"));
+  REQUIRE(reports(message_of([&] { read_calibration(euroc_camera, moved); }), moved, 7, "must be the identity"));
 }

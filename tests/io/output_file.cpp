@@ -37,7 +37,7 @@ TEST_CASE("output_file: without commit nothing is left") {
   REQUIRE(std::filesystem::is_empty(directory.path()));
 }
 
-TEST_CASE("output_file: a file of the same name with .part is somebody else's") {
+TEST_CASE("output_file: an existing file of the same name with .part is kept") {
   const TemporaryDirectory directory;
   const auto file = directory.path() / "out.txt", mine = directory.write("out.txt.part", "mine");
   { OutputFile(file).stream() << "half"; }
@@ -68,11 +68,11 @@ TEST_CASE("output_file: no name") {
 TEST_CASE("output_file: what cannot be written is named") {
   const TemporaryDirectory directory;
   const auto missing = directory.path() / "missing" / "out.txt";
-  REQUIRE(says(message_of([&] { OutputFile{missing}; }), missing, 0, "cannot be written"));
-  REQUIRE(says(message_of([&] { OutputFile{directory.path()}; }), directory.path(), 0, "is a directory"));
+  REQUIRE(reports(message_of([&] { OutputFile{missing}; }), missing, 0, "cannot be written"));
+  REQUIRE(reports(message_of([&] { OutputFile{directory.path()}; }), directory.path(), 0, "is a directory"));
 }
 
-TEST_CASE("output_file: a link stays one, and leads to what was written") {
+TEST_CASE("output_file: a symbolic link is kept, and its target is written") {
   const TemporaryDirectory directory;
   const auto file = directory.write("out.txt", "old"), link = directory.path() / "link.txt";
   std::filesystem::create_symlink(file, link);
@@ -88,7 +88,7 @@ TEST_CASE("output_file: a device stays one") {
   if (!std::filesystem::is_character_file(device)) return;
   OutputFile out(device);
   out.stream() << "lost";
-  REQUIRE(says(message_of([&] { out.complete(); }), device, 0, "disk full"));
-  REQUIRE(says(message_of([&] { out.commit(); }), device, 0, "disk full"));
+  REQUIRE(reports(message_of([&] { out.complete(); }), device, 0, "disk full"));
+  REQUIRE(reports(message_of([&] { out.commit(); }), device, 0, "disk full"));
   REQUIRE(std::filesystem::is_character_file(device));
 }

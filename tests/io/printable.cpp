@@ -29,6 +29,6 @@ TEST_CASE("printable: what is no UTF-8 is spelled") {
   REQUIRE(printable("\xc0\xaf") == "\\xc0\\xaf");  // a slash in too many bytes
 }
 
-TEST_CASE("printable: the complaint about a file is one line") {
+TEST_CASE("printable: the error of a file is one line") {
   REQUIRE(std::string(ReadError("a\nb", 3, "\"\x1b\" is no number").what()) == "a\\nb:3: \"\\x1b\" is no number");
 }

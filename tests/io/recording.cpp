@@ -25,7 +25,7 @@ imu:
 
 /// TUM RGB-D: 4 frames at 0.1 s, depth 5 ms later, none for frame 2; IMU at 40 ms.
 void write_tum(const TemporaryDirectory& directory) {
-  directory.write("rgb.txt", "# colour\n10.00 rgb/0.png\n10.10 rgb/1.png\n10.20 rgb/2.png\n10.30 rgb/3.png\n");
+  directory.write("rgb.txt", "# color\n10.00 rgb/0.png\n10.10 rgb/1.png\n10.20 rgb/2.png\n10.30 rgb/3.png\n");
   directory.write("depth.txt", "10.005 depth/0.png\n10.105 depth/1.png\n10.25 depth/x.png\n10.305 depth/3.png\n");
   for (const char* name :
        {"rgb/0.png", "rgb/1.png", "rgb/2.png", "rgb/3.png", "depth/0.png", "depth/1.png", "depth/x.png", "depth/3.png"})
@@ -66,7 +66,7 @@ std::string order(Recording& recording) {
 void require_error(const TemporaryDirectory& directory, const std::string& name, int line, const std::string& what) {
   const std::string message = message_of([&] { Recording::open(directory.path()); });
   CAPTURE(message, line, what);
-  REQUIRE(says(message, name.empty() ? directory.path() : directory.path() / name, line, what));
+  REQUIRE(reports(message, name.empty() ? directory.path() : directory.path() / name, line, what));
 }
 
 }  // namespace
@@ -106,10 +106,10 @@ TEST_CASE("recording: a part of it") {
   REQUIRE((recording.frame_count() == 2 && recording.frames()[0].t_ns == 10100000000));
   REQUIRE(order(recording) == "iFiiif");  // from the sample at 10.10 on
   const std::string message = message_of([&] { Recording::open(directory.path(), {.calibration = {}, .start_s = 7}); });
-  REQUIRE(says(message, directory.path(), 0, "no frame in the part asked for; the recording lasts 0.3 s"));
+  REQUIRE(reports(message, directory.path(), 0, "no frame in the part asked for; the recording lasts 0.3 s"));
 }
 
-TEST_CASE("recording: frames on the clock of the IMU") {
+TEST_CASE("recording: frames in IMU time") {
   const TemporaryDirectory directory;
   write_tum(directory);
   directory.write("calibration.yaml", camera + "  time_offset_s: -0.004\n" + imu);
@@ -163,8 +163,8 @@ TEST_CASE("recording: places that hold none") {
   require_error(directory, "", 0, "the directory is empty");
   const auto file = directory.write("notes.txt", "");
   require_error(directory, "", 0, "not a recording");
-  REQUIRE(says(message_of([&] { Recording::open(file); }), file, 0, "not a directory"));
-  REQUIRE(says(message_of([] { Recording::open("/nowhere"); }), "/nowhere", 0, "no such directory"));
+  REQUIRE(reports(message_of([&] { Recording::open(file); }), file, 0, "not a directory"));
+  REQUIRE(reports(message_of([] { Recording::open("/nowhere"); }), "/nowhere", 0, "no such directory"));
 }
 
 TEST_CASE("recording: faults of the index files") {

@@ -40,7 +40,7 @@ TEST_CASE("text: numbers must be finite and nothing else") {
   }
 }
 
-TEST_CASE("text: rows know their line; comments, blank lines and carriage returns are passed over") {
+TEST_CASE("text: rows have their line numbers; comments, blank lines and carriage returns are passed over") {
   const TemporaryDirectory directory;
   const auto file = directory.write("rows.csv", "# header\r\n\n1, 2,3\r\n  4\t5 6\n7,8,x");
   RowReader row(file);
@@ -49,8 +49,8 @@ TEST_CASE("text: rows know their line; comments, blank lines and carriage return
   REQUIRE(row.next());
   REQUIRE((row.line() == 4 && row.number(0) == 4 && !row.has_commas()));
   REQUIRE(row.next());
-  REQUIRE(says(message_of([&] { row.number(2); }), file, 5, "column 3: \"x\" is not a finite number"));
-  REQUIRE(says(message_of([&] { row.require_size(4); }), file, 5, "expected 4 columns, found 3"));
+  REQUIRE(reports(message_of([&] { row.number(2); }), file, 5, "column 3: \"x\" is not a finite number"));
+  REQUIRE(reports(message_of([&] { row.require_size(4); }), file, 5, "expected 4 columns, found 3"));
   REQUIRE(!row.next());
 }
 
@@ -62,16 +62,15 @@ TEST_CASE("text: times whose differences would not fit") {
   REQUIRE(row.time_in_seconds() == TimeNs{4'000'000'000'000'000'000});
   for (const int line : {2, 3}) {
     REQUIRE(row.next());
-    REQUIRE(
-        says(message_of([&] { row.time_in_seconds(); }), file, line, "is more than 126 years from the clock's zero"));
+    REQUIRE(reports(message_of([&] { row.time_in_seconds(); }), file, line, "is more than 126 years from the epoch"));
   }
   REQUIRE(row.next());
-  REQUIRE(says(message_of([&] { row.time_in_nanoseconds(); }), file, 4, "is more than 126 years"));
+  REQUIRE(reports(message_of([&] { row.time_in_nanoseconds(); }), file, 4, "is more than 126 years"));
 }
 
 TEST_CASE("text: files that cannot be read") {
   const TemporaryDirectory directory;
   REQUIRE(
-      says(message_of([&] { read_text(directory.path() / "none"); }), directory.path() / "none", 0, "no such file"));
-  REQUIRE(says(message_of([&] { read_text(directory.path()); }), directory.path(), 0, "not a regular file"));
+      reports(message_of([&] { read_text(directory.path() / "none"); }), directory.path() / "none", 0, "no such file"));
+  REQUIRE(reports(message_of([&] { read_text(directory.path()); }), directory.path(), 0, "not a regular file"));
 }

@@ -15,7 +15,7 @@ void require_error(const std::string& text, int line, const std::string& what) {
   const auto file = directory.write("trajectory.txt", text);
   const std::string message = message_of([&] { read_trajectory(file); });
   CAPTURE(message, line, what);
-  REQUIRE(says(message, file, line, what));
+  REQUIRE(reports(message, file, line, what));
 }
 
 const double half = 0.70710678118654757;
@@ -73,7 +73,7 @@ TEST_CASE("trajectory: rows that cannot be used") {
   require_error("1.5,0,0,0,1,0,0,0\n", 1, "\"1.5\" is not a time stamp");
   require_error("1 0 0 4 0 1 0 5 0 0 2 6\n", 1, "not a rotation");
   require_error("1 0 0 4 0 1 0 5 0 0 -1 6\n", 1, "not a rotation");
-  REQUIRE(says(message_of([] { read_trajectory("/nowhere.txt"); }), "/nowhere.txt", 0, "no such file"));
+  REQUIRE(reports(message_of([] { read_trajectory("/nowhere.txt"); }), "/nowhere.txt", 0, "no such file"));
 }
 
 TEST_CASE("trajectory: what is written is read back, its times exactly") {
@@ -98,7 +98,8 @@ TEST_CASE("trajectory: a writer that never commits leaves nothing") {
   const TemporaryDirectory directory;
   { TrajectoryWriter(directory.path() / "out.tum").add({1, {}}); }
   REQUIRE(std::filesystem::is_empty(directory.path()));
-  REQUIRE(says(message_of([] { TrajectoryWriter("/nowhere/out.tum"); }), "/nowhere/out.tum", 0, "cannot be written"));
+  REQUIRE(
+      reports(message_of([] { TrajectoryWriter("/nowhere/out.tum"); }), "/nowhere/out.tum", 0, "cannot be written"));
 }
 
 TEST_CASE("trajectory: the camera moves with the body") {

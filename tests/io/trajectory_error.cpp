@@ -12,10 +12,8 @@ using namespace plumbline::io;
 
 namespace {
 
-/// The recordings with known figures; empty path where they are not at hand.
 std::filesystem::path data(const std::string& name) {
-  const std::filesystem::path file = std::filesystem::path(PLUMBLINE_TEST_DATA) / "trajectories" / name;
-  return std::filesystem::exists(file) ? file : std::filesystem::path();
+  return std::filesystem::path(PLUMBLINE_TEST_DATA) / "trajectories" / name;
 }
 
 Evaluation evaluate(const std::string& reference, const std::string& estimate,
@@ -37,12 +35,12 @@ TEST_CASE("trajectory_error: statistics") {
   REQUIRE(statistics({}).count == 0);
 }
 
-TEST_CASE("trajectory_error: stretches by frames and by metres") {
+TEST_CASE("trajectory_error: stretches by frames and by meters") {
   REQUIRE(pairs_by_frames(7, 3) == IndexPairs{{0, 3}, {3, 6}});
   REQUIRE(pairs_by_frames(3, 3).empty());
   std::vector<PosePair> pairs;
   for (int i = 0; i < 8; ++i) pairs.push_back({i, {}, SE3<double>({}, {0.4 * i, 0, 0})});
-  REQUIRE(pairs_by_metres(pairs, 1) == IndexPairs{{3, 6}});
+  REQUIRE(pairs_by_meters(pairs, 1) == IndexPairs{{3, 6}});
 }
 
 TEST_CASE("trajectory_error: one degree of drift in each step") {
@@ -58,10 +56,10 @@ TEST_CASE("trajectory_error: one degree of drift in each step") {
   REQUIRE(absolute_error(pairs).rotation_deg.max == Approx(4));
 }
 
-TEST_CASE("trajectory_error: the known figures of KITTI 00") {
-  if (data("KITTI_00_gt.txt").empty()) return;
-  const EvaluationSettings ten_metres{.rpe_delta = 10, .rpe_unit = DeltaUnit::metres};
-  const Statistics ape = evaluate("KITTI_00_gt.txt", "KITTI_00_ORB.txt", ten_metres).ape.translation;
+TEST_CASE("trajectory_error: the known figures of KITTI 00", "[data]") {
+  if (skip_without(data("KITTI_00_gt.txt"))) return;
+  const EvaluationSettings ten_meters{.rpe_delta = 10, .rpe_unit = DeltaUnit::meters};
+  const Statistics ape = evaluate("KITTI_00_gt.txt", "KITTI_00_ORB.txt", ten_meters).ape.translation;
   REQUIRE(ape.rmse == printed(1.30344971, 8));
   REQUIRE(ape.mean == printed(1.15699713, 8));
   REQUIRE(ape.median == printed(1.06562477, 8));
@@ -69,14 +67,14 @@ TEST_CASE("trajectory_error: the known figures of KITTI 00") {
   REQUIRE(ape.min == printed(0.06931322, 8));
   REQUIRE(ape.max == printed(3.58794912, 8));
   // The file's rotations have seven digits; they are made orthonormal here, which moves the eighth of these.
-  const Statistics rpe = evaluate("KITTI_00_gt.txt", "KITTI_00_ORB.txt", ten_metres).rpe.translation;
+  const Statistics rpe = evaluate("KITTI_00_gt.txt", "KITTI_00_ORB.txt", ten_meters).rpe.translation;
   REQUIRE(rpe.rmse == printed(0.2262613, 6));
   REQUIRE(rpe.mean == printed(0.1690174, 6));
   REQUIRE(rpe.max == printed(1.2722091, 6));
 }
 
-TEST_CASE("trajectory_error: the known figures of fr1/xyz") {
-  if (data("freiburg1_xyz-groundtruth.txt").empty()) return;
+TEST_CASE("trajectory_error: the known figures of fr1/xyz", "[data]") {
+  if (skip_without(data("freiburg1_xyz-groundtruth.txt"))) return;
   const Evaluation e = evaluate("freiburg1_xyz-groundtruth.txt", "freiburg1_xyz-rgbdslam.txt");
   REQUIRE(e.pairs == 786);
   REQUIRE(e.ape.translation.rmse == printed(0.013473, 6));
@@ -90,8 +88,8 @@ TEST_CASE("trajectory_error: the known figures of fr1/xyz") {
   REQUIRE(e.rpe.rotation_deg.rmse == printed(0.934480, 6));
 }
 
-TEST_CASE("trajectory_error: the known figures of fr2/desk") {
-  if (data("fr2_desk_groundtruth.txt").empty()) return;
+TEST_CASE("trajectory_error: the known figures of fr2/desk", "[data]") {
+  if (skip_without(data("fr2_desk_groundtruth.txt"))) return;
   const Evaluation e = evaluate("fr2_desk_groundtruth.txt", "fr2_desk_ORB.txt");
   REQUIRE(e.pairs == 2223);
   REQUIRE(e.ape.translation.rmse == printed(0.008144, 6));

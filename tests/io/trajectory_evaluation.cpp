@@ -43,16 +43,16 @@ TEST_CASE("trajectory_evaluation: coverage is the share of the reference's secon
   REQUIRE(evaluate_trajectory(helix(0, 9.9), broken, {}).coverage == Approx(0.6));
 }
 
-TEST_CASE("trajectory_evaluation: too little in common is said") {
+TEST_CASE("trajectory_evaluation: too little overlap is an error") {
   Trajectory late = helix(0, 5);
   for (StampedPose& pose : late) pose.t_ns += 3'600'000'000'000;
-  REQUIRE(message_of([&] { evaluate_trajectory(helix(0, 5), late, {}); }).find("do their clocks agree?") !=
+  REQUIRE(message_of([&] { evaluate_trajectory(helix(0, 5), late, {}); }).find("do both use the same clock?") !=
           std::string::npos);
   REQUIRE(message_of([&] { evaluate_trajectory(helix(0, 0.1), helix(0, 0.1), {}); }).find("cannot align 2 pairs") !=
           std::string::npos);
 }
 
-TEST_CASE("trajectory_evaluation: a few pairs of many poses are not judged") {
+TEST_CASE("trajectory_evaluation: a few pairs of many poses are not evaluated") {
   const Trajectory long_run = helix(0, 454);
   const std::string few = message_of([&] { evaluate_trajectory(long_run, helix(453.8, 900), {}); });
   REQUIRE(few.find("3 of 4463 poses have a partner among the reference's 4541: too few to judge") != std::string::npos);

@@ -1,5 +1,5 @@
-# The firmware headers include one another only upwards in FOLDERS, the solver knows no camera, and none of them reaches
-# for the heap, the standard streams or OpenCV.          cmake -DFOLDERS=core;lie;... -DINCLUDE=dir -P check_layers.cmake
+# The firmware headers include one another only upward in FOLDERS, the solver includes no camera, and none of them uses
+# the heap, the standard streams or OpenCV.              cmake -DFOLDERS=core;lie;... -DINCLUDE=dir -P check_layers.cmake
 
 cmake_minimum_required(VERSION 3.25)
 
@@ -18,7 +18,7 @@ foreach(folder IN LISTS FOLDERS)
     foreach(line IN LISTS includes)
       if(line MATCHES "\"plumbline/([a-z_]+)/")
         if(NOT CMAKE_MATCH_1 IN_LIST above OR (folder STREQUAL "solver" AND CMAKE_MATCH_1 IN_LIST not_for_solver))
-          string(APPEND violations "\n  ${header}: ${line} (${folder} stands above ${CMAKE_MATCH_1})")
+          string(APPEND violations "\n  ${header}: ${line} (${folder} is above ${CMAKE_MATCH_1})")
         endif()
       elseif(line MATCHES "<(${forbidden}|opencv.*|Eigen/Dense)>")
         string(APPEND violations "\n  ${header}: ${line} (not for firmware)")

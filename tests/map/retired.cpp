@@ -192,7 +192,7 @@ TEMPLATE_TEST_CASE("retired: a frame and the landmarks anchored in it, as they w
     CHECK((run.p_world[line.id].cross(L.v) - L.n).norm() < 0.02 * L.v.norm());
     CHECK((run.q_world[line.id].cross(L.v) - L.n).norm() < 0.02 * L.v.norm());
   }
-  // The window has forgotten them, the map has not.
+  // They are no longer in the window, but in the map.
   for (const auto& landmark : store.landmarks()) REQUIRE(landmark.anchor != slot);
   CHECK(lines.landmarks().size() == edges_before - edges / 2);
 }
@@ -229,7 +229,7 @@ TEMPLATE_TEST_CASE("retired: what else the frame saw, by the ids of landmarks th
   CHECK(lines == edges);
 }
 
-TEST_CASE("retired: landmarks that were never located are not remembered") {
+TEST_CASE("retired: landmarks that were never located are dropped") {
   Run<double> run;
   for (int k = 0; k < slots; ++k) run.add_keyframe();
   auto& landmarks = run.landmarks->get<0>().landmarks();
@@ -245,7 +245,7 @@ TEST_CASE("retired: landmarks that were never located are not remembered") {
   for (const auto& seen : run.map.frames[0].others) CHECK_FALSE((seen.is_point && seen.id == id));
 }
 
-TEST_CASE("retired: a map hears of every frame once, in the order in which they go") {
+TEST_CASE("retired: a map gets every frame once, in the order of marginalization") {
   Run<double> run;
   for (int k = 0; k < 12; ++k) {
     if (run.backend->window().full()) run.retire(run.backend->window().oldest());

@@ -36,11 +36,11 @@ struct Moving {
   }
 };
 
-static_assert(std::is_empty_v<NoLinks> && !NoLinks::active());
+static_assert(std::is_empty_v<NoFactors> && !NoFactors::active());
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("constant_velocity: goes on as before, however long the next interval", "", float, double) {
+TEMPLATE_TEST_CASE("constant_velocity: the velocity is kept, however long the next interval", "", float, double) {
   using S = TestType;
   Moving<S> moving;
   CHECK(minus(moving.predict(S(0.05)), moving.latest.T_world_body).norm() == 0);  // nothing is known yet
@@ -55,7 +55,7 @@ TEMPLATE_TEST_CASE("constant_velocity: goes on as before, however long the next 
   }
 }
 
-TEMPLATE_TEST_CASE("constant_velocity: long gaps are not bridged, and nothing is believed after a loss", "", float,
+TEMPLATE_TEST_CASE("constant_velocity: long gaps are not bridged, and there is no prior after a loss", "", float,
                    double) {
   using S = TestType;
   Moving<S> moving;
@@ -63,7 +63,7 @@ TEMPLATE_TEST_CASE("constant_velocity: long gaps are not bridged, and nothing is
   const ConstantVelocityOptions options;
   CHECK(minus(moving.predict(S(options.max_prediction_s + 0.01)), moving.latest.T_world_body).norm() == 0);
   CHECK(minus(moving.predict(S(0.05)), moving.latest.T_world_body).norm() > S(0.01));
-  moving.motion.lose();
+  moving.motion.mark_lost();
   CHECK(minus(moving.predict(S(0.05)), moving.latest.T_world_body).norm() == 0);
 
   moving.see_next(S(0.05));
@@ -72,9 +72,8 @@ TEMPLATE_TEST_CASE("constant_velocity: long gaps are not bridged, and nothing is
   CHECK(minus(moving.predict(S(0.05)), moving.latest.T_world_body).norm() == 0);
 }
 
-TEMPLATE_TEST_CASE(
-    "constant_velocity: a rotation that the images show is believed instead, and asked for near the guess", "", float,
-    double) {
+TEMPLATE_TEST_CASE("constant_velocity: the rotation of the image alignment is used instead, aligned near the guess", "",
+                   float, double) {
   using S = TestType;
   Moving<S> moving;
   moving.see_next(S(0.05));
@@ -101,24 +100,24 @@ TEMPLATE_TEST_CASE(
   CHECK(turned.R() == T.R());
 }
 
-TEST_CASE("constant_velocity: ties no frames, and has no opinion on what the images decide") {
+TEST_CASE("constant_velocity: has no factors, and accepts any pose of the images") {
   Moving<double> moving;
   const auto& motion = moving.motion;
-  CHECK_FALSE(motion.ties_frames());
-  CHECK_FALSE(motion.carries_on());
+  CHECK_FALSE(motion.is_initialized());
+  CHECK_FALSE(motion.can_propagate());
   const auto motion_px = [] { return 3.0; };
   CHECK(motion.confirm_keyframe(0, motion_px, true));
   CHECK_FALSE(motion.confirm_keyframe(0, motion_px, false));
-  CHECK_FALSE(motion.revise(moving.latest, moving.latest, 0.1));
-  CHECK(motion.doubt(NoLinks(0), 0, false) == HealthReason::none);
+  CHECK_FALSE(motion.correct(moving.latest, moving.latest, 0.1));
+  CHECK(motion.diagnose(NoFactors(0), 0, false) == HealthReason::none);
   const Mat<double, 6, 6> covariance = 2 * Mat<double, 6, 6>::Identity();
-  CHECK(motion.covariance_grown(covariance, 1.0) == covariance);
+  CHECK(motion.grown_covariance(covariance, 1.0) == covariance);
   const auto predicted = moving.motion.predict(moving.latest, moving.view(0.1), 0,
                                                [](const SE3<double>&) { return test::SeenRotation<double>{}; });
   CHECK_FALSE(predicted.prior.valid);
 
-  NoLinks links(0);
-  links.insert(0, 0, {});
-  links.for_each_row(0, -1, [](auto&&...) { FAIL("there is no row"); });
-  CHECK(links.cost(0) == 0);
+  NoFactors factors(0);
+  factors.insert(0, 0, {});
+  factors.for_each_row(0, -1, [](auto&&...) { FAIL("there is no row"); });
+  CHECK(factors.cost(0) == 0);
 }

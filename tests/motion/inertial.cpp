@@ -1,4 +1,4 @@
-// Motion of a rig with an IMU: what it predicts from readings, from images where there are none, and what it ties.
+// Motion of a rig with an IMU: prediction by IMU samples, by images where samples are missing, and IMU factors.
 //                                                                                docs/math/inertial_window.md
 #include "plumbline/motion/inertial.hpp"
 
@@ -20,7 +20,7 @@ namespace {
 constexpr TimeNs period = 5'000'000, frame = 50'000'000;
 constexpr double frame_s = 0.05, rate_z = 0.4;  // [rad/s]
 
-/// A body that turns evenly about the vertical and moves evenly, or rests; its readings have biases.
+/// A body that turns evenly about the vertical and moves evenly, or is stationary; its samples have biases.
 template <class S>
 struct Drive {
   using Sensors = Rig<Mono<Pinhole<S>, 64 * 64>, Imu>;
@@ -52,15 +52,15 @@ struct Drive {
     x.bias_accel = bias_accel;
     return x.template cast<S>();
   }
-  ImuSample reading(TimeNs t_ns) const {
+  ImuSample sample_at(TimeNs t_ns) const {
     const double wiggle = 1e-9 * double(t_ns / period % 7);  // a live sensor does not repeat itself
     return {t_ns, bias_gyro + Vec<double, 3>(wiggle, 0, moves ? rate_z : 0),
             bias_accel + Vec<double, 3>(0, wiggle, 9.81)};
   }
-  /// Readings in (from, to].
+  /// Samples in (from, to].
   void read(TimeNs from, TimeNs to, auto&& change) {
     for (TimeNs t = from + period; t <= to; t += period) {
-      ImuSample sample = reading(t);
+      ImuSample sample = sample_at(t);
       change(sample);
       REQUIRE(motion->imu().add(sample, from < 0 ? nullptr : &latest));
     }
@@ -74,7 +74,7 @@ struct Drive {
         now, [&] { return moved_px; }, needed);
   }
 
-  /// On to the next frame, without having seen its features; readings may be missing, or changed.
+  /// On to the next frame, without having seen its features; samples may be missing, or changed.
   void advance(bool reads = true) {
     if (reads) read(now, now + frame);
     now += frame;
@@ -86,8 +86,8 @@ struct Drive {
     motion->begin_frame(now, &latest, S(frame_s));
   }
   View<Sensors> view() const { return views.at(now, S(frame_s), latest.T_world_body, motion->T_body_cam(T_body_cam)); }
-  Prediction<NavState<S>, S> predict(const test::SeenRotation<S>& seen = {}, S blind_s = S(frame_s)) {
-    return motion->predict(latest, view(), blind_s, [&](const SE3<S>&) { return seen; });
+  Prediction<NavState<S>, S> predict(const test::SeenRotation<S>& seen = {}, S outage_s = S(frame_s)) {
+    return motion->predict(latest, view(), outage_s, [&](const SE3<S>&) { return seen; });
   }
   /// The camera's rotation as the images show it.
   test::SeenRotation<S> shown() const {
@@ -120,11 +120,11 @@ TEMPLATE_TEST_CASE("inertial: the rate of an image is that of its own time, howe
   CHECK(double((drive.motion->angular_rate() - Vec<S, 3>(0, 0, S(rate_z))).norm()) < 1e-4);  // a mean is 0.1 beside
 }
 
-TEMPLATE_TEST_CASE("inertial: a metric state is predicted by the readings, with their uncertainty", "", float, double) {
+TEMPLATE_TEST_CASE("inertial: an initialized state is predicted by the IMU, with its uncertainty", "", float, double) {
   using S = TestType;
   Drive<S> drive;
-  drive.motion->become_metric();
-  REQUIRE(drive.motion->carries_on());
+  drive.motion->set_initialized();
+  REQUIRE(drive.motion->can_propagate());
   for (int k = 0; k < 4; ++k) {
     drive.advance();
     const auto predicted = drive.predict();
@@ -152,17 +152,17 @@ TEMPLATE_TEST_CASE("inertial: a metric state is predicted by the readings, with 
   }
 }
 
-TEMPLATE_TEST_CASE("inertial: before it is metric the gyroscope turns, the images move", "", float, double) {
+TEMPLATE_TEST_CASE("inertial: before initialization rotation is that of the gyroscope, translation that of the images",
+                   "", float, double) {
   using S = TestType;
   Drive<S> drive;
-  CHECK_FALSE(drive.motion->is_metric());
-  CHECK_FALSE(drive.motion->carries_on());
-  CHECK_FALSE(drive.motion->ties_frames());
+  CHECK_FALSE(drive.motion->is_initialized());
+  CHECK_FALSE(drive.motion->can_propagate());
+  CHECK_FALSE(drive.motion->is_initialized());
   drive.latest.v_world_body = {S(3), S(0), S(-1)};  // in the unit of vision
   const SE3<S> before = drive.latest.T_world_body;
   drive.advance();
-  const auto predicted =
-      drive.predict({true, SO3<S>::exp({S(1), 0, 0})});  // what images say of the rotation is not used
+  const auto predicted = drive.predict({true, SO3<S>::exp({S(1), 0, 0})});  // the rotation of the images is not used
   CHECK_FALSE(predicted.prior.valid);
   const SE3<S>& T = predicted.state.T_world_body;
   CHECK(double((T.R() - drive.truth(drive.now).T_world_body.R()).norm()) < Drive<S>::tolerance);
@@ -170,19 +170,20 @@ TEMPLATE_TEST_CASE("inertial: before it is metric the gyroscope turns, the image
   // The lever arm has no length in that unit.
   CHECK(drive.view().T_body_cam.p().norm() == 0);
   CHECK((drive.view().T_body_cam.R() - drive.T_body_cam.R()).norm() == 0);
-  // The features' pose is that of the frame, and tells the velocity.
+  // The pose of the features is that of the frame, and updates the velocity.
   const SE3<S> found(T.rotation(), before.p() + Vec<S, 3>(S(0.2), S(0.1), 0));
   const NavState<S> x = drive.motion->update(predicted.state, found, Drive<S>::sure(), drive.view());
   CHECK(minus(x.T_world_body, found).norm() == 0);
   CHECK(double((S(frame_s) * x.v_world_body - Vec<S, 3>(S(0.2), S(0.1), 0)).norm()) < Drive<S>::tolerance);
 
-  drive.motion->become_metric();
-  CHECK(drive.motion->ties_frames());
+  drive.motion->set_initialized();
+  CHECK(drive.motion->is_initialized());
   CHECK(minus(drive.view().T_body_cam, drive.T_body_cam).norm() == 0);
 }
 
-TEMPLATE_TEST_CASE("inertial: before it is metric rows move as three images do, whose errors may alternate", "", float,
-                   double) {
+TEMPLATE_TEST_CASE(
+    "inertial: before initialization the shutter motion is that of three images, whose errors may alternate", "", float,
+    double) {
   using S = TestType;
   Drive<S> drive;
   const Vec<S, 3> v(S(0.6), S(-0.2), 0), error(S(0.01), S(0.02), S(-0.03));
@@ -208,57 +209,58 @@ TEMPLATE_TEST_CASE("inertial: before it is metric rows move as three images do, 
   }
 }
 
-TEMPLATE_TEST_CASE("inertial: where readings are missing images turn, and tell the velocity", "", float, double) {
+TEMPLATE_TEST_CASE("inertial: where samples are missing rotation and velocity are those of the images", "", float,
+                   double) {
   using S = TestType;
   Drive<S> drive;
-  drive.motion->become_metric();
+  drive.motion->set_initialized();
   drive.go_on(2);
-  drive.motion->begin_link(drive.latest);
+  drive.motion->begin_factor(drive.latest);
   drive.go_on(1);
   NavState<S> untouched = drive.latest;
-  CHECK_FALSE(drive.motion->revise(drive.latest, untouched, S(frame_s)));
+  CHECK_FALSE(drive.motion->correct(drive.latest, untouched, S(frame_s)));
   CHECK_FALSE(drive.confirm_keyframe(50, false));
 
   for (int k = 0; k < 2; ++k) {
     drive.advance(false);
-    REQUIRE(drive.motion->imu().missing());
+    REQUIRE(drive.motion->imu().is_missing());
     const auto predicted = drive.predict(drive.shown());
     CHECK(double(minus(predicted.state.T_world_body, drive.truth(drive.now).T_world_body).norm()) <
           Drive<S>::tolerance);
     CHECK(double((drive.predict().state.T_world_body.R() - drive.latest.T_world_body.R()).norm()) <
-          Drive<S>::tolerance);  // nor do the images say anything
+          Drive<S>::tolerance);  // nor is there an image alignment
     const NavState<S> x =
         drive.motion->update(predicted.state, drive.truth(drive.now).T_world_body, Drive<S>::sure(), drive.view());
     CHECK(drive.error(x) < Drive<S>::tolerance);
-    CHECK_FALSE(drive.confirm_keyframe(50, false));  // the readings are not back yet
+    CHECK_FALSE(drive.confirm_keyframe(50, false));  // samples are still missing
     NavState<S> solved = x;
     solved.v_world_body.setZero();
-    REQUIRE(drive.motion->revise(drive.latest, solved, S(frame_s)));
+    REQUIRE(drive.motion->correct(drive.latest, solved, S(frame_s)));
     CHECK(double((solved.v_world_body - drive.truth(0).v_world_body).norm()) < 1e-3);
     NavState<S> jumped = x;
     jumped.T_world_body = SE3<S>(x.T_world_body.rotation(), x.T_world_body.p() + Vec<S, 3>(0, 3, 4));
-    REQUIRE(drive.motion->revise(drive.latest, jumped, S(frame_s)));
+    REQUIRE(drive.motion->correct(drive.latest, jumped, S(frame_s)));
     const Vec<S, 3> change = jumped.v_world_body - drive.latest.v_world_body;
-    const double most = InertialOptions().accel_doubt * frame_s;
+    const double most = InertialOptions().suspect_accel_sigma * frame_s;
     CHECK(double(change.norm()) == Approx(most).epsilon(1e-3));
     CHECK(double(change.dot(Vec<S, 3>(0, 3, 4))) == Approx(5 * most).epsilon(0.05));
     drive.found();
   }
   drive.go_on(1);
-  CHECK(drive.confirm_keyframe(50, false));  // they are: the next link knows the velocity
-  drive.motion->begin_link(drive.latest);
+  CHECK(drive.confirm_keyframe(50, false));  // they are: the next factor begins at a known velocity
+  drive.motion->begin_factor(drive.latest);
   CHECK_FALSE(drive.confirm_keyframe(50, false));
   CHECK(drive.confirm_keyframe(50, true));
 }
 
-TEMPLATE_TEST_CASE("inertial: at the rails of one sensor the other one is still believed", "", float, double) {
+TEMPLATE_TEST_CASE("inertial: where one sensor is saturated the other one is still used", "", float, double) {
   using S = TestType;
   const test::SeenRotation<S> wrong{true, SO3<S>::exp({S(0.5), 0, 0})};
   Drive<S> drive;
-  drive.motion->become_metric();
+  drive.motion->set_initialized();
   drive.go_on(1);
   drive.advance_with([](ImuSample& sample) { sample.accel.x() = 1e3; });
-  REQUIRE(drive.motion->imu().blind());
+  REQUIRE(drive.motion->imu().is_unusable());
   SE3<S> T = drive.predict(wrong).state.T_world_body;  // rotation by the gyroscope
   CHECK(double(minus(T, drive.truth(drive.now).T_world_body).norm()) < Drive<S>::tolerance);
   drive.found();
@@ -267,28 +269,28 @@ TEMPLATE_TEST_CASE("inertial: at the rails of one sensor the other one is still 
   CHECK(double(minus(T, drive.truth(drive.now).T_world_body).norm()) < Drive<S>::tolerance);
 }
 
-TEMPLATE_TEST_CASE("inertial: a link has all readings since its keyframe", "", float, double) {
+TEMPLATE_TEST_CASE("inertial: a factor has all samples since its keyframe", "", float, double) {
   using S = TestType;
   Drive<S> drive;
-  drive.motion->become_metric();
+  drive.motion->set_initialized();
   drive.go_on(2);
-  drive.motion->begin_link(drive.latest);
+  drive.motion->begin_factor(drive.latest);
   const NavState<S> keyframe = drive.latest;
-  CHECK(drive.motion->link(3).increment.empty());
+  CHECK(drive.motion->factor(3).increment.empty());
   drive.go_on(5);
-  const InertialLink<S> link = drive.motion->link(3);
-  CHECK(link.previous == 3);
-  CHECK_FALSE(link.at_rest);
-  CHECK(double(link.increment.increment().duration) == Approx(5 * frame_s));
-  const NavState<S> there = link.increment.increment().predict(keyframe, gravity_in_world<S>());
+  const ImuFactor<S> factor = drive.motion->factor(3);
+  CHECK(factor.previous == 3);
+  CHECK_FALSE(factor.is_stationary);
+  CHECK(double(factor.increment.increment().duration) == Approx(5 * frame_s));
+  const NavState<S> there = factor.increment.increment().predict(keyframe, gravity_in_world<S>());
   CHECK(drive.error(there) < 10 * Drive<S>::tolerance);
   // Densities are those of the calibration, inflated.
   const InertialOptions options;
-  CHECK(link.increment.noise().gyro_density == Approx(options.gyro_inflation * ImuNoise{}.gyro_density));
-  CHECK(link.increment.noise().accel_walk == Approx(options.walk_inflation * ImuNoise{}.accel_walk));
+  CHECK(factor.increment.noise().gyro_density == Approx(options.gyro_inflation * ImuNoise{}.gyro_density));
+  CHECK(factor.increment.noise().accel_walk == Approx(options.walk_inflation * ImuNoise{}.accel_walk));
 }
 
-TEST_CASE("inertial: what an accelerometer errs by beside its noise does not grow with the noise") {
+TEST_CASE("inertial: the error of an accelerometer beside its noise does not grow with the noise") {
   const InertialOptions options;
   const auto inflated = [&](double density) { return options.inflated({.accel_density = density}).accel_density; };
   CHECK(inflated(ImuNoise{}.accel_density) == options.accel_error);
@@ -301,7 +303,7 @@ TEMPLATE_TEST_CASE("inertial: a gyroscope whose bias jumps, against the images",
   using S = TestType;
   const InertialOptions options;
   Drive<S> drive;
-  drive.motion->become_metric();
+  drive.motion->set_initialized();
   const NavState<S> keyframe = drive.latest;
   const auto go_on = [&](double bias, S variance = S(1e-8)) {
     drive.advance_with([&](ImuSample& sample) { sample.gyro.x() += bias; });
@@ -311,44 +313,44 @@ TEMPLATE_TEST_CASE("inertial: a gyroscope whose bias jumps, against the images",
         drive.motion->update(predicted.state, drive.truth(drive.now).T_world_body, covariance, drive.view());
     drive.found();
     drive.latest.bias_gyro = x.bias_gyro;
-    return drive.motion->link(0).jumped;
+    return drive.motion->factor(0).jumped;
   };
-  for (int k = 0; k < 20; ++k) REQUIRE(!go_on(0.1, S(1e-4)));  // images that hardly know how they turn
+  for (int k = 0; k < 20; ++k) REQUIRE(!go_on(0.1, S(1e-4)));                             // uncertain image rotations
   for (int k = 0; k < 40; ++k) REQUIRE(!go_on(0.2 * options.gyro_check.max_rate_error));  // no more than any bias does
-  drive.motion->begin_link(keyframe);
+  drive.motion->begin_factor(keyframe);
   const auto excludes = [&](double sigmas) {
     const auto predicted = drive.predict();
     Vec<S, 6> d = Vec<S, 6>::Zero();
     d[1] = S(sigmas) * predicted.prior.sigma[1];
     return drive.motion->contradicts(predicted, plus(predicted.state.T_world_body, d));
   };
-  CHECK(excludes(1.1 * options.max_innovation));
+  CHECK(excludes(1.1 * options.innovation_gate));
   int frames = 0, suspect = 0;
-  for (; !go_on(0.1, S(3e-7)) && frames < 20; ++frames) suspect += !excludes(1.1 * options.max_innovation);
+  for (; !go_on(0.1, S(3e-7)) && frames < 20; ++frames) suspect += !excludes(1.1 * options.innovation_gate);
   CHECK(frames * frame_s < options.gyro_check.rate_error_s);
   CHECK(suspect > 0);  // images that turn otherwise are heard until it is decided
-  CHECK(double(drive.motion->turned_wrongly()) > 0.1 * (frames + 1) * frame_s);
+  CHECK(double(drive.motion->gyro_jump_rotation()) > 0.1 * (frames + 1) * frame_s);
 
-  // It is found once, in a link that ends as soon as it can, and is to explain what is seen from now on.
+  // It is detected once, in a factor that ends as soon as it can; the new bias applies from now on.
   CHECK(drive.confirm_keyframe(100, false));
-  drive.motion->begin_link(drive.latest);
-  CHECK_FALSE(drive.motion->link(0).jumped);
-  CHECK(excludes(1.1 * options.doubted_innovation));
+  drive.motion->begin_factor(drive.latest);
+  CHECK_FALSE(drive.motion->factor(0).jumped);
+  CHECK(excludes(1.1 * options.innovation_gate_after_jump));
   frames = 1;
   for (; !go_on(0.1) && frames < 200; ++frames) {
-    CHECK(excludes(1.1 * options.doubted_innovation));
-    CHECK(drive.motion->turned_wrongly() == 0);
+    CHECK(excludes(1.1 * options.innovation_gate_after_jump));
+    CHECK(drive.motion->gyro_jump_rotation() == 0);
   }
-  CHECK(frames * frame_s == Approx(options.gyro_check.jump_settles_s).margin(1.5 * frame_s));
+  CHECK(frames * frame_s == Approx(options.gyro_check.jump_hold_s).margin(1.5 * frame_s));
   for (int k = 0; k < 300; ++k) go_on(0.1);
   CHECK(double(drive.latest.bias_gyro.x()) ==
         Approx(drive.bias_gyro.x() + 0.1).margin(1.2 * options.gyro_check.max_rate_error));
 }
 
-TEMPLATE_TEST_CASE("inertial: an accelerometer that images contradict has no say", "", float, double) {
+TEMPLATE_TEST_CASE("inertial: an accelerometer inconsistent with the images is not used", "", float, double) {
   using S = TestType;
   Drive<S> drive;
-  drive.motion->become_metric();
+  drive.motion->set_initialized();
   const auto go_on = [&](double error) {
     drive.advance_with([&](ImuSample& sample) { sample.accel.x() += error; });
     const auto predicted = drive.predict();
@@ -358,54 +360,54 @@ TEMPLATE_TEST_CASE("inertial: an accelerometer that images contradict has no say
     return off_m;
   };
   for (int k = 0; k < 80; ++k) REQUIRE(go_on(0) < 1e-4);
-  CHECK_FALSE(drive.motion->link(0).accel_in_doubt);
+  CHECK_FALSE(drive.motion->factor(0).is_accel_suspect);
   for (int k = 0; k < 20; ++k) go_on(4);
-  const InertialLink<S> link = drive.motion->link(0);
-  CHECK(link.accel_in_doubt);
-  const double sigma = std::sqrt(double(link.increment.increment().covariance(6, 6)));
-  const double open = InertialOptions().accel_doubt * std::sqrt(double(link.increment.increment().duration));
+  const ImuFactor<S> factor = drive.motion->factor(0);
+  CHECK(factor.is_accel_suspect);
+  const double sigma = std::sqrt(double(factor.increment.increment().covariance(6, 6)));
+  const double open = InertialOptions().suspect_accel_sigma * std::sqrt(double(factor.increment.increment().duration));
   CHECK(sigma > 0.9 * open);  // before it was found, too
-  CHECK(go_on(4) < 1e-4);     // the body moves on as it did; 5 mm by the readings
+  CHECK(go_on(4) < 1e-4);     // constant velocity; 5 mm by the IMU
   for (int k = 0; k < 100; ++k) go_on(0);
-  CHECK_FALSE(drive.motion->link(0).accel_in_doubt);
-  CHECK(drive.confirm_keyframe(100, false));  // the link that is blind in parts ends
+  CHECK_FALSE(drive.motion->factor(0).is_accel_suspect);
+  CHECK(drive.confirm_keyframe(100, false));  // the factor with the suspect part ends
 }
 
-TEMPLATE_TEST_CASE("inertial: images that show little do not contradict an accelerometer", "", float, double) {
+TEMPLATE_TEST_CASE("inertial: images with few features do not make the accelerometer suspect", "", float, double) {
   using S = TestType;
   const bool few_features = GENERATE(false, true);
   CAPTURE(few_features);
   Drive<S> drive;
-  drive.motion->become_metric();
-  const auto links = std::make_unique<InertialLinks<S, 4>>(InertialOptions());
+  drive.motion->set_initialized();
+  const auto factors = std::make_unique<ImuFactors<S, 4>>(InertialOptions());
   const auto go_on = [&](double error) {
     drive.advance_with([&](ImuSample& sample) { sample.accel.x() += error; });
     const auto predicted = drive.predict();
     drive.motion->update(predicted.state, drive.truth(drive.now).T_world_body, drive.sure(), drive.view());
     drive.found();
-    drive.motion->doubt(*links, Window<S>(), few_features);
+    drive.motion->diagnose(*factors, Window<S>(), few_features);
   };
   for (int k = 0; k < 80; ++k) go_on(0);
-  int before_doubt = 0;
-  for (; before_doubt < 40 && !drive.motion->link(0).accel_in_doubt; ++before_doubt) go_on(4);
+  int before_detection = 0;
+  for (; before_detection < 40 && !drive.motion->factor(0).is_accel_suspect; ++before_detection) go_on(4);
   if (few_features) {
-    CHECK(before_doubt == 40);
+    CHECK(before_detection == 40);
   } else {
-    REQUIRE(before_doubt < 20);
-    // The frame that found it out is the first whose velocity images tell, and not a jump of theirs.
+    REQUIRE(before_detection < 20);
+    // The frame of the detection is the first with a velocity of the images, and not a jump of theirs.
     NavState<S> solved = drive.latest;
     solved.v_world_body.x() += S(20);
     solved.T_world_body = SE3<S>(solved.T_world_body.rotation(), solved.T_world_body.p() + Vec<S, 3>(S(1), S(0), S(0)));
-    CHECK(drive.motion->revise(drive.latest, solved, S(frame_s)));
+    CHECK(drive.motion->correct(drive.latest, solved, S(frame_s)));
     const double gained = double(norm(Vec<S, 3>(solved.v_world_body - drive.latest.v_world_body)));
-    CHECK(gained <= Approx(InertialOptions().accel_doubt * frame_s));
+    CHECK(gained <= Approx(InertialOptions().suspect_accel_sigma * frame_s));
   }
 }
 
-TEMPLATE_TEST_CASE("inertial: where both sensors seem to fail at once the images are wrong", "", float, double) {
+TEMPLATE_TEST_CASE("inertial: where both sensors seem to fail at once the images are suspect", "", float, double) {
   using S = TestType;
   Drive<S> drive;
-  drive.motion->become_metric();
+  drive.motion->set_initialized();
   const auto go_on = [&](double gyro_error, double accel_error) {
     drive.advance_with([&](ImuSample& sample) {
       sample.gyro.x() += gyro_error;
@@ -420,93 +422,93 @@ TEMPLATE_TEST_CASE("inertial: where both sensors seem to fail at once the images
   for (int k = 0; k < 80; ++k) go_on(0, 0);
   for (int k = 0; k < 20; ++k) go_on(0.1, 0);
   for (int k = 0; k < 20; ++k) go_on(0.1, 4);
-  CHECK_FALSE(drive.motion->link(0).accel_in_doubt);
+  CHECK_FALSE(drive.motion->factor(0).is_accel_suspect);
   for (int k = 0; k < 80; ++k) go_on(0.1, 0);
   for (int k = 0; k < 20; ++k) go_on(0.1, 4);
-  CHECK(drive.motion->link(0).accel_in_doubt);
+  CHECK(drive.motion->factor(0).is_accel_suspect);
 }
 
-TEMPLATE_TEST_CASE("inertial: images that the readings exclude", "", float, double) {
+TEMPLATE_TEST_CASE("inertial: poses outside the gate of the IMU", "", float, double) {
   using S = TestType;
   const InertialOptions options;
   Drive<S> drive;
   drive.advance();
   const SE3<S> T = drive.truth(drive.now).T_world_body;
-  CHECK_FALSE(drive.motion->contradicts(drive.predict(), SE3<S>()));  // there are no metres yet
-  drive.motion->become_metric();
+  CHECK_FALSE(drive.motion->contradicts(drive.predict(), SE3<S>()));  // not metric yet
+  drive.motion->set_initialized();
   const auto predicted = drive.predict();
   CHECK_FALSE(drive.motion->contradicts(predicted, T));
   for (int k = 0; k < 6; ++k) {
     Vec<S, 6> d = Vec<S, 6>::Zero();
-    d[k] = S(0.9 * options.max_innovation) * predicted.prior.sigma[k];
+    d[k] = S(0.9 * options.innovation_gate) * predicted.prior.sigma[k];
     CHECK_FALSE(drive.motion->contradicts(predicted, plus(T, d)));
     d[k] *= S(-1.3);
     CHECK(drive.motion->contradicts(predicted, plus(T, d)));
-    CHECK(drive.motion->admits(predicted, plus(T, d)));  // nobody told how well the velocity is known
+    CHECK(drive.motion->passes_gate(predicted, plus(T, d)));  // the covariance of the velocity is not set
   }
   CHECK(drive.motion->contradicts(predicted, SE3<S>(T.rotation(), Vec<S, 3>::Constant(S(NAN)))));
 
-  // A vote is for what is as near as the velocity is known, until the images are of no use.
+  // The consensus has the gate of the velocity's uncertainty, until an outage of the images.
   constexpr int dim = MovingLayout::dim, velocity = MovingLayout::offset<state::Velocity>;
   const S sigma = S(0.01), dt = S(frame_s);
   Mat<S, dim, dim> P = Mat<S, dim, dim>::Identity();
   for (int k = velocity; k < dim; ++k) P(k, k) = sigma * sigma;
-  drive.motion->know_velocity(P);
+  drive.motion->set_velocity_covariance(P);
   const auto known = drive.predict();
   Vec<S, 6> d = Vec<S, 6>::Zero();
-  d[4] = S(0.8 * options.max_vote * options.velocity_doubt) * sigma * dt;
-  CHECK(drive.motion->admits(known, plus(T, d)));
+  d[4] = S(0.8 * options.consensus_gate * options.velocity_inflation) * sigma * dt;
+  CHECK(drive.motion->passes_gate(known, plus(T, d)));
   d[4] *= S(2);
-  CHECK_FALSE(drive.motion->admits(known, plus(T, d)));
+  CHECK_FALSE(drive.motion->passes_gate(known, plus(T, d)));
   CHECK_FALSE(drive.motion->contradicts(known, plus(T, d)));
-  drive.motion->lose();
-  CHECK(drive.motion->admits(drive.predict(), plus(T, d)));
+  drive.motion->mark_lost();
+  CHECK(drive.motion->passes_gate(drive.predict(), plus(T, d)));
 }
 
-TEMPLATE_TEST_CASE("inertial: a standstill is what image and readings agree on", "", float, double) {
+TEMPLATE_TEST_CASE("inertial: stationary only if both images and IMU are", "", float, double) {
   using S = TestType;
   const InertialOptions options;
   Drive<S> resting(false);
-  resting.motion->become_metric();
-  CHECK_FALSE(resting.motion->look_for_rest(resting.now, 0));  // too few readings so far
+  resting.motion->set_initialized();
+  CHECK_FALSE(resting.motion->detect_stationarity(resting.now, 0));  // too few samples so far
   resting.go_on(20);
-  CHECK(resting.motion->look_for_rest(resting.now, 0.9 * options.rest_motion_px));
-  CHECK(resting.motion->at_rest());
-  CHECK(resting.motion->link(0).at_rest);
-  CHECK_FALSE(resting.confirm_keyframe(0, true));  // at rest there are none
+  CHECK(resting.motion->detect_stationarity(resting.now, 0.9 * options.stationary_motion_px));
+  CHECK(resting.motion->is_stationary());
+  CHECK(resting.motion->factor(0).is_stationary);
+  CHECK_FALSE(resting.confirm_keyframe(0, true));  // no keyframes while stationary
   // Left less easily than entered.
-  const double between = 0.5 * (1 + options.rest_hysteresis) * options.rest_motion_px;
-  CHECK(resting.motion->look_for_rest(resting.now, between));
-  CHECK_FALSE(resting.motion->look_for_rest(resting.now, 1.1 * options.rest_hysteresis * options.rest_motion_px));
-  CHECK_FALSE(resting.motion->look_for_rest(resting.now, between));
-  CHECK(resting.motion->look_for_rest(resting.now, 0));
-  const NavState<S> x = resting.motion->state_at_rest();
+  const double between = 0.5 * (1 + options.stationary_hysteresis) * options.stationary_motion_px;
+  CHECK(resting.motion->detect_stationarity(resting.now, between));
+  CHECK_FALSE(resting.motion->detect_stationarity(resting.now,
+                                                  1.1 * options.stationary_hysteresis * options.stationary_motion_px));
+  CHECK_FALSE(resting.motion->detect_stationarity(resting.now, between));
+  CHECK(resting.motion->detect_stationarity(resting.now, 0));
+  const NavState<S> x = resting.motion->stationary_state();
   CHECK(double((x.bias_gyro.template cast<double>() - resting.bias_gyro).norm()) < 1e-5);
   CHECK(double((x.bias_accel.template cast<double>() - resting.bias_accel).norm()) < 1e-4);
   CHECK(double((x.T_world_body.R() - Mat<S, 3, 3>::Identity()).norm()) < 1e-3);
-  resting.motion->lose();
+  resting.motion->mark_lost();
   resting.go_on(1);
-  CHECK(resting.motion->at_rest());  // without images, as long as the readings say so
+  CHECK(resting.motion->is_stationary());  // without images, as long as the IMU is stationary
 
   // Even motion in a straight line looks the same to an IMU, an even turn does not.
   Drive<S> turning;
   turning.go_on(20);
-  CHECK_FALSE(turning.motion->look_for_rest(turning.now, 0));
+  CHECK_FALSE(turning.motion->detect_stationarity(turning.now, 0));
 }
 
-TEMPLATE_TEST_CASE("inertial: without images the covariance grows with what readings and velocity leave open", "",
-                   float, double) {
+TEMPLATE_TEST_CASE("inertial: without images the covariance grows by IMU noise and velocity", "", float, double) {
   using S = TestType;
   Drive<S> drive;
-  drive.motion->become_metric();
+  drive.motion->set_initialized();
   drive.go_on(1);
   drive.advance();
   const Mat<S, 6, 6> before = S(1e-4) * Mat<S, 6, 6>::Identity();
   const InertialOptions options;
   const double walk = options.velocity_sigma * options.velocity_sigma * frame_s;
   const auto& covariance = drive.motion->imu().since_frame().increment().covariance;
-  const auto check_grown = [&](double blind_s, double moved) {
-    const Mat<S, 6, 6> grown = drive.motion->covariance_grown(before, S(blind_s));
+  const auto check_grown = [&](double outage_s, double moved) {
+    const Mat<S, 6, 6> grown = drive.motion->grown_covariance(before, S(outage_s));
     for (int r = 0; r < 6; ++r) {
       for (int c = 0; c < 6; ++c) {
         const double more = r == c && r >= 3 ? walk + moved : 0;
@@ -517,20 +519,20 @@ TEMPLATE_TEST_CASE("inertial: without images the covariance grows with what read
   check_grown(1, 0);
   // What is wrong with the velocity of the last state solved for adds up, seen or not.
   const double sigma = 3;
-  drive.motion->know_speed(S(sigma * sigma) * Mat<S, MovingLayout::dim, MovingLayout::dim>::Identity(),
-                           drive.latest.v_world_body);
-  drive.motion->lose();
+  drive.motion->set_speed_covariance(S(sigma * sigma) * Mat<S, MovingLayout::dim, MovingLayout::dim>::Identity(),
+                                     drive.latest.v_world_body);
+  drive.motion->mark_lost();
   check_grown(1, sigma * sigma * (1 - (1 - frame_s) * (1 - frame_s)));
 }
 
-TEMPLATE_TEST_CASE("inertial: how well a speed is known is how well its velocity is along it", "", float, double) {
+TEMPLATE_TEST_CASE("inertial: the sigma of the speed is that of the velocity along it", "", float, double) {
   using S = TestType;
   Drive<S> drive;
   const auto sigma_at = [&](const Vec<S, 3>& v) {
     constexpr int at = MovingLayout::offset<state::Velocity>;
     Mat<S, MovingLayout::dim, MovingLayout::dim> P = Mat<S, MovingLayout::dim, MovingLayout::dim>::Identity();
     P(at, at) = S(0.01);
-    drive.motion->know_speed(P, v);
+    drive.motion->set_speed_covariance(P, v);
     CHECK(drive.motion->speed() == Approx(double(v.norm())));
     return drive.motion->speed_sigma();
   };
@@ -538,67 +540,67 @@ TEMPLATE_TEST_CASE("inertial: how well a speed is known is how well its velocity
   CHECK(sigma_at({S(0), S(-4), S(0)}) == Approx(1));
   CHECK(sigma_at({S(3), S(0), S(4)}) == Approx(std::sqrt(0.36 * 0.01 + 0.64)));
   CHECK_FALSE(sigma_at({S(0), S(0), S(0)}) < 1e9);  // nothing moves
-  drive.motion->become_metric();
+  drive.motion->set_initialized();
   CHECK(drive.motion->speed() == 0);
 }
 
-TEMPLATE_TEST_CASE("inertial: an accelerometer that gravity drives to its rail tells nothing", "", float, double) {
+TEMPLATE_TEST_CASE("inertial: an accelerometer that gravity saturates is unusable", "", float, double) {
   using S = TestType;
   InertialOptions options;
-  const auto links = std::make_unique<InertialLinks<S, 4>>(options);
+  const auto factors = std::make_unique<ImuFactors<S, 4>>(options);
   Window<S> window;
   Drive<S> drive;
-  drive.motion->become_metric();
-  const auto clip_at = [](double rail) {
-    return [rail, n = 0](ImuSample& sample) mutable {  // it comes and goes
-      sample.accel.z() = ++n % 2 == 0 ? rail - 0.01 * n : rail;
+  drive.motion->set_initialized();
+  const auto clip_at = [](double full_scale) {
+    return [full_scale, n = 0](ImuSample& sample) mutable {  // it comes and goes
+      sample.accel.z() = ++n % 2 == 0 ? full_scale - 0.01 * n : full_scale;
     };
   };
   for (int k = 0; k < 8; ++k) drive.advance_with(clip_at(10.0));
   drive.found();
   drive.go_on(2);  // between two arrivals
-  CHECK(drive.motion->doubt(*links, window, false) == HealthReason::imu_saturated);
+  CHECK(drive.motion->diagnose(*factors, window, false) == HealthReason::imu_saturated);
 }
 
-TEMPLATE_TEST_CASE("inertial: says what is wrong with its readings", "", float, double) {
+TEMPLATE_TEST_CASE("inertial: diagnoses its samples", "", float, double) {
   using S = TestType;
   InertialOptions options;
-  const auto links = std::make_unique<InertialLinks<S, 4>>(options);
+  const auto factors = std::make_unique<ImuFactors<S, 4>>(options);
   Window<S> window;
   Drive<S> drive;
-  drive.motion->become_metric();
+  drive.motion->set_initialized();
   drive.go_on(2);
-  CHECK(drive.motion->doubt(*links, window, false) == HealthReason::none);
+  CHECK(drive.motion->diagnose(*factors, window, false) == HealthReason::none);
   drive.advance_with([](ImuSample& sample) { sample.accel.x() = 1e3; });
-  CHECK(drive.motion->doubt(*links, window, false) == HealthReason::imu_saturated);
+  CHECK(drive.motion->diagnose(*factors, window, false) == HealthReason::imu_saturated);
   drive.found();
   drive.advance(false);
-  CHECK(drive.motion->doubt(*links, window, false) == HealthReason::no_imu_data);
+  CHECK(drive.motion->diagnose(*factors, window, false) == HealthReason::no_imu_data);
   drive.found();
   drive.go_on(1);
-  // Readings and images that contradict each other.
+  // IMU and images that are inconsistent.
   const int first = window.insert(drive.now, drive.latest);
-  links->insert(first, drive.latest, {});
-  drive.motion->begin_link(drive.latest);
+  factors->insert(first, drive.latest, {});
+  drive.motion->begin_factor(drive.latest);
   drive.go_on(2);
   NavState<S> x = drive.latest;
   const int second = window.insert(drive.now, x);
-  links->insert(second, x, drive.motion->link(first));
-  CHECK(drive.motion->doubt(*links, window, false) == HealthReason::none);
+  factors->insert(second, x, drive.motion->factor(first));
+  CHECK(drive.motion->diagnose(*factors, window, false) == HealthReason::none);
   x.v_world_body.x() += S(2);
   window.state(second) = typename Window<S>::State(x);
-  CHECK(drive.motion->doubt(*links, window, false) == HealthReason::imu_disagrees);
+  CHECK(drive.motion->diagnose(*factors, window, false) == HealthReason::imu_disagrees);
 }
 
-TEMPLATE_TEST_CASE("inertial: a new world keeps the biases alone", "", float, double) {
+TEMPLATE_TEST_CASE("inertial: a reset keeps the biases alone", "", float, double) {
   using S = TestType;
   Drive<S> drive;
-  drive.motion->become_metric();
+  drive.motion->set_initialized();
   drive.go_on(1);
   const NavState<S> x = drive.motion->restart(drive.latest);
   CHECK(minus(x.T_world_body, SE3<S>()).norm() == 0);
   CHECK(x.v_world_body.norm() == 0);
   CHECK(x.bias_gyro == drive.latest.bias_gyro);
   CHECK(x.bias_accel == drive.latest.bias_accel);
-  CHECK_FALSE(drive.motion->is_metric());
+  CHECK_FALSE(drive.motion->is_initialized());
 }

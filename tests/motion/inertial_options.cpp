@@ -4,11 +4,10 @@
 
 using namespace plumbline;
 
-TEST_CASE(
-    "inertial_options: what is preferred is nearer than what is excluded, and rest is entered before it is left") {
+TEST_CASE("inertial_options: the consensus gate is below the innovation gate, and stationarity has a hysteresis") {
   const InertialOptions options;
-  CHECK(options.max_vote < options.max_innovation);
-  CHECK(options.velocity_doubt >= 1);
-  CHECK(options.rest_hysteresis > 1);
-  CHECK(options.rate_s < options.gyro_check.rate_error_s);
+  CHECK(options.consensus_gate < options.innovation_gate);
+  CHECK(options.velocity_inflation >= 1);
+  CHECK(options.stationary_hysteresis > 1);
+  CHECK(options.rate_window_s < options.gyro_check.rate_error_s);
 }

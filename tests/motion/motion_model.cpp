@@ -25,27 +25,27 @@ static_assert(MotionModel<ConstantVelocity<Camera<float>>> && MotionModel<Consta
 static_assert(MotionModel<Inertial<CameraAndImu<float>>> && MotionModel<Inertial<CameraAndImu<double>>>);
 static_assert(!MotionModel<Camera<float>> && !MotionModel<int>);
 
-/// Says where the next frame is, but not what ties it to others.
+/// Predicts the next frame, but has no factors.
 struct Guess {
   using S = float;
   using State = PoseState<S>;
   void begin_frame(TimeNs, const State*, S) {}
   Vec<S, 3> angular_rate() const { return Vec<S, 3>::Zero(); }
   Vec<S, 3> velocity(const State&) const { return Vec<S, 3>::Zero(); }
-  bool carries_on() const { return false; }
+  bool can_propagate() const { return false; }
   State restart(const State& x) { return x; }
-  void lose() {}
+  void mark_lost() {}
 };
-static_assert(Predicts<Guess> && !Ties<Guess> && !MotionModel<Guess>);
+static_assert(Predicts<Guess> && !ProvidesFactors<Guess> && !MotionModel<Guess>);
 
 // What a model does not need its frames do not have.
 static_assert(std::is_same_v<ConstantVelocity<Camera<float>>::Layout, VisualLayout>);
 static_assert(std::is_same_v<Inertial<CameraAndImu<float>>::Layout, InertialLayout>);
-static_assert(std::is_empty_v<ConstantVelocity<Camera<float>>::Link>);
+static_assert(std::is_empty_v<ConstantVelocity<Camera<float>>::Factor>);
 
 }  // namespace
 
-TEST_CASE("motion_model: without a word about it there is no belief about a pose") {
+TEST_CASE("motion_model: without a sigma there is no prior about a pose") {
   const PosePrior<float> prior;
   CHECK_FALSE(prior.valid);
   CHECK(prior.sigma.norm() == 0);

@@ -25,7 +25,7 @@ struct SmallView {
   }
 };
 
-/// What the images say of the rotation.
+/// The rotation of the image alignment.
 template <class S>
 struct SeenRotation {
   bool valid = false;

@@ -36,8 +36,8 @@ TEST_CASE("image_file: whole images") {
   REQUIRE((read.type() == CV_8U && cv::norm(read, gray, cv::NORM_INF) == 0));
   REQUIRE(cv::norm(read_gray(directory.write("a.jpg", encoded(gray, ".jpg"))), gray, cv::NORM_INF) < 12);
   REQUIRE(cv::norm(read_depth(directory.write("d.png", encoded(depth, ".png"))), depth, cv::NORM_INF) == 0);
-  const cv::Mat colour(48, 64, CV_8UC3, cv::Scalar(50, 50, 50));
-  REQUIRE(read_gray(directory.write("c.png", encoded(colour, ".png"))).at<std::uint8_t>(7, 7) == 50);
+  const cv::Mat color(48, 64, CV_8UC3, cv::Scalar(50, 50, 50));
+  REQUIRE(read_gray(directory.write("c.png", encoded(color, ".png"))).at<std::uint8_t>(7, 7) == 50);
   const std::string padded = encoded(gray, ".jpg") + std::string(16, '\0');
   REQUIRE(read_gray(directory.write("p.jpg", padded)).cols == 64);
 }
@@ -49,7 +49,7 @@ TEST_CASE("image_file: cut anywhere, an image is refused") {
     for (const std::size_t length : {bytes.size() - 1, bytes.size() - 10, bytes.size() / 2, std::size_t{9}}) {
       const auto file = directory.write(std::string("cut") + extension, bytes.substr(0, length));
       CAPTURE(extension, length);
-      REQUIRE(says(message_of([&] { read_gray(file); }), file, 0, "the image is cut off"));
+      REQUIRE(reports(message_of([&] { read_gray(file); }), file, 0, "the image is cut off"));
     }
   }
 }
@@ -60,18 +60,18 @@ TEST_CASE("image_file: corrupt and empty files, no files") {
   for (std::size_t i = 45; i < 60; ++i) bytes[i] = static_cast<char>(~bytes[i]);
   const auto corrupt = directory.write("corrupt.png", bytes), empty = directory.write("empty.png", "");
   const auto text = directory.write("text.png", "no image");
-  REQUIRE(says(message_of([&] { read_gray(corrupt); }), corrupt, 0, "not an image that can be decoded"));
-  REQUIRE(says(message_of([&] { read_gray(empty); }), empty, 0, "the file is empty"));
-  REQUIRE(says(message_of([&] { read_gray(text); }), text, 0, "not an image that can be decoded"));
-  REQUIRE(says(message_of([&] { read_gray(directory.path()); }), directory.path(), 0, "not a regular file"));
-  REQUIRE(says(message_of([] { read_gray("/nowhere.png"); }), "/nowhere.png", 0, "cannot be opened"));
+  REQUIRE(reports(message_of([&] { read_gray(corrupt); }), corrupt, 0, "not an image that can be decoded"));
+  REQUIRE(reports(message_of([&] { read_gray(empty); }), empty, 0, "the file is empty"));
+  REQUIRE(reports(message_of([&] { read_gray(text); }), text, 0, "not an image that can be decoded"));
+  REQUIRE(reports(message_of([&] { read_gray(directory.path()); }), directory.path(), 0, "not a regular file"));
+  REQUIRE(reports(message_of([] { read_gray("/nowhere.png"); }), "/nowhere.png", 0, "cannot be opened"));
 }
 
 TEST_CASE("image_file: a pipe is no image, and is not waited for") {
   const TemporaryDirectory directory;
   const auto pipe = directory.path() / "pipe.png";
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
-  REQUIRE(says(message_of([&] { read_gray(pipe); }), pipe, 0, "not a regular file"));
+  REQUIRE(reports(message_of([&] { read_gray(pipe); }), pipe, 0, "not a regular file"));
 }
 
 TEST_CASE("image_file: a JPEG damaged in the middle is refused") {
@@ -79,14 +79,14 @@ TEST_CASE("image_file: a JPEG damaged in the middle is refused") {
   std::string bytes = encoded(ramp<std::uint8_t>(CV_8U), ".jpg");
   bytes.erase(bytes.size() / 2 + bytes.size() / 4, 100);
   const auto file = directory.write("a.jpg", bytes);
-  REQUIRE(says(message_of([&] { read_gray(file); }), file, 0, "the image is damaged"));
+  REQUIRE(reports(message_of([&] { read_gray(file); }), file, 0, "the image is damaged"));
 }
 
 TEST_CASE("image_file: depth must be 16-bit, images of the calibrated size") {
   const TemporaryDirectory directory;
   const auto file = directory.write("a.png", encoded(ramp<std::uint8_t>(CV_8U), ".png"));
-  REQUIRE(says(message_of([&] { read_depth(file); }), file, 0, "not a 16-bit image with one channel"));
-  REQUIRE(says(message_of([&] { require_resolution(read_gray(file), 640, 480, file); }), file, 0,
-               "the image is 64 x 48, the calibration says 640 x 480"));
+  REQUIRE(reports(message_of([&] { read_depth(file); }), file, 0, "not a 16-bit image with one channel"));
+  REQUIRE(reports(message_of([&] { require_resolution(read_gray(file), 640, 480, file); }), file, 0,
+                  "the image is 64 x 48, the calibration has 640 x 480"));
   REQUIRE(message_of([&] { require_resolution(read_gray(file), 64, 48, file); }).empty());
 }

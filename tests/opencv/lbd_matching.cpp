@@ -1,4 +1,4 @@
-// Two views of a rendered room: what the depth image says where an edge went tells right matches from wrong ones.
+// Two views of a rendered room: matches are checked by the depth image, which has the true position of an edge.
 #include "plumbline/opencv/lbd_matching.hpp"
 
 #include <iostream>
@@ -110,7 +110,7 @@ TEMPLATE_TEST_CASE("lbd_matching: two views of a room", "", LineSegmentDetector<
 
 TEST_CASE("lbd_matching: a turned image has nearly the same descriptors, the other side of an edge has not") {
   const cv::Mat image = testing::textured_image();
-  const testing::AffineMotion motion = testing::about_centre(image, 20, 1, {5, -3});
+  const testing::AffineMotion motion = testing::about_center(image, 20, 1, {5, -3});
   const cv::Mat turned = testing::warped(image, motion, 0.9, 8);
   const Segments before = detect<LineSegmentDetector<>>(image);
   Segments after, flipped;

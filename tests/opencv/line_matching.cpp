@@ -16,8 +16,8 @@ LineDescriptor descriptor(int bits) {
 
 LineSegment segment(float angle_deg, float length = 100, float x = 0) {
   const float angle = angle_deg * 0.017453293f;
-  const Vec<float, 2> centre(x, 50), half(0.5f * length * std::cos(angle), 0.5f * length * std::sin(angle));
-  return {centre - half, centre + half, 5};
+  const Vec<float, 2> center(x, 50), half(0.5f * length * std::cos(angle), 0.5f * length * std::sin(angle));
+  return {center - half, center + half, 5};
 }
 
 /// Distance of the match between one segment and another; -1 without.

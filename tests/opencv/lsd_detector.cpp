@@ -90,7 +90,7 @@ TEMPLATE_TEST_CASE("lsd_detector: edges of known geometry", "", Own, Lsd, LsdFul
           --on_none;
           worst_px =
               std::max({worst_px, double(std::abs(edge.distance(s.start))), double(std::abs(edge.distance(s.end)))});
-          shift += (edge.distance(s.centre()) * edge.normal()).cast<double>();
+          shift += (edge.distance(s.center()) * edge.normal()).cast<double>();
           REQUIRE(s.gradient > 10);  // 60 gray levels over about 3 px
           REQUIRE(s.gradient < 30);
         }
@@ -137,7 +137,8 @@ TEST_CASE("lsd_detector: nothing in a flat image or in none") {
   REQUIRE(out.empty());
 }
 
-TEST_CASE("lsd_detector: clear edges of recorded images are found by both, and can be followed") {
+TEST_CASE("lsd_detector: clear edges of recorded images are found by both, and can be followed", "[data]") {
+  if (skip_without(testing::recordings)) return;
   for (const cv::Mat& image : testing::recorded_images()) {
     const Segments own = detect<Own>(image), lsd = detect<Lsd>(image);
     float own_px = 0, own_by_lsd_px = 0, lsd_px = 0, lsd_by_own_px = 0;

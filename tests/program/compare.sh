@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# plumbline compare: patterns, shards, interruption, crashes, and what its file says.
+# plumbline compare: patterns, shards, interruption, crashes, and the content of its file.
 # shellcheck source=tests/program/expect.sh
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 schema=$(dirname "${BASH_SOURCE[0]}")/../../docs/compare.schema.json
@@ -30,10 +30,27 @@ cat table.txt
 expect_text log.txt '^still lacks depth: 1 configuration left out$' '100 %.*left\)$'
 expect_text table.txt '^room: 50 frames' 'rgbd/points/window +se3 +0\.0[0-9]+ m +0\.0[0-9]+ m +100 % +0 of 2' \
   'mono/points/window +sim3 '
-expect_text <(tr '\n' ' ' < table.txt) 'ATE: .*2 starts one frame.*causal.*Coverage: .*cores.*plumbline 0.*side by side'
+expect_text <(tr '\n' ' ' < table.txt) \
+  'ATE: .*2 runs that begin one frame.*causal.*Coverage: .*cores.*plumbline 0.*side by side'
 expect_text table.md '^. .rgbd/points/window. . se3 . 0\.0.* m, worst 0\.0.* m, 100 %, .* ms \| \|$'
 grep -q '"format":"plumbline-compare"' all.html || fail "the page is without its data"
 [[ ! -e all.json.parts ]] || fail "parts are left behind"
+
+# ------------------------------------------------------------------------------------- tables of files that are there
+"$plumbline" table all.json --command "plumbline compare --config 'rgbd/points/w*'" --commit abcdef --json small.json \
+  > table.md || fail "table of a comparison"
+expect_text table.md '^. .rgbd/points/window. . se3 . 0\.0.* m, worst 0\.0.* m, 100 %, .* ms \| \|$' \
+  'commit abcdef' \
+  "^plumbline compare --config 'rgbd/points/w\*'$"
+printf '<!-- table accuracy -->\n<!-- table timing -->\n' > template.md
+"$plumbline" table small.json --template template.md --markdown page.md || fail "page of a comparison"
+expect_text page.md '^.room.: 50 frames' \
+  '^. .rgbd/points/window. . se3 . 0\.0[0-9]+ m . 0\.0[0-9]+ m . .* deg . 100 % . 0 of 2 \|$' \
+  '^. .rgbd/points/window. . [0-9.]+ . [0-9.]+ . [0-9.]+ . [0-9.]+ .$'
+(($(wc -c < small.json) < $(wc -c < all.json) / 4)) || fail "small.json has the series"
+"$plumbline" list --memory --json memory.json --markdown memory.md > memory.txt || fail "list --memory"
+expect_text memory.txt "^$config +[0-9]+ bytes +[0-9.]+ MiB\$"
+expect_text memory.md '^. .rgbd/points. .* [0-9.]+ MiB ' '^plumbline list --memory$'
 if python3 -c 'import jsonschema' 2> /dev/null; then
   python3 - "$schema" all.json << 'EOF' || fail "all.json is not what the schema describes"
 import json, sys, jsonschema
@@ -125,6 +142,14 @@ expect_error '--duration' compare "${known[@]}" --duration nan
 expect_error 'nowhere/no.json: cannot be written' compare --config "$config" --dataset room --json nowhere/no.json
 expect_error 'more than one output' compare "${known[@]}" --report ./no.json
 expect_error 'table.txt: is not JSON' compare --merge 1.json table.txt
+expect_error 'table.txt: is not JSON' table table.txt
+echo '{"format":"plumbline-results","version":1,"kind":"faults"}' > no_faults.json
+expect_error 'incomplete results' table no_faults.json
+expect_error 'none of the files has the results of table accuracy' table memory.json --template template.md
+echo '<!-- table fault -->' > misspelled.md
+expect_error 'table "fault" is unknown.*"faults"' table memory.json --template misspelled.md
+expect_error 'nowhere/no.json: cannot be written' table small.json --json nowhere/no.json
+expect_error '--memory' list --json no.json
 expect_error 'again the run of' compare --merge 1.json 1.json
 sed 's/"program":"/&f/' 2.json > built.json
 expect_error 'another build' compare --merge 1.json built.json

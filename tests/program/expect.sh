@@ -11,7 +11,7 @@ fail() {
   failures=$((failures + 1))
 }
 
-# expect_error PATTERN ARGUMENT...: the program fails with status 1, says one line that matches, and prints nothing.
+# expect_error PATTERN ARGUMENT...: the program fails with status 1, one line on stderr that matches, nothing on stdout.
 expect_error() {
   local pattern=$1 status=0
   shift
@@ -40,4 +40,9 @@ copy_recording() {
 finish() {
   ((failures == 0)) || exit 1
   echo passed
+}
+
+# skip_without FOLDER: ends the test where that folder of recordings is missing; ctest reports it as skipped.
+skip_without() {
+  [[ -d $1 ]] || { echo "skipped: no recordings at $1"; exit 77; }
 }

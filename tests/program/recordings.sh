@@ -4,6 +4,7 @@
 # of many starts (points on TUM: 0.011 to 0.046 m): they catch what breaks, they are no aim.
 # shellcheck source=tests/program/expect.sh
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
+skip_without "$2"
 data=$2
 
 # within CONFIG NAME TRUTH ALIGNMENT BOUND MISSING [OPTION ...]: all frames but MISSING have a pose and the error is below
@@ -63,7 +64,7 @@ camera_within mono/points+lines/direct rendered_office_mono 0.008 90
 camera_within mono/points+lines/direct euroc_mh01_flight 0.04 49
 camera_within mono/lines/window rendered_office_mono 0.15 90
 
-# Images whose stamps are 50 ms late or early: the clock is found to 1.5 ms.
+# Images whose stamps are 50 ms late or early: the time offset is estimated to 1.5 ms.
 for shift_ms in 50 -50; do
   name=rendered_office_mono
   shifted=shifted_$shift_ms

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Files that cannot be decoded are named, counted and skipped; the run goes on.
+# Files that cannot be decoded are named, counted and skipped; the run continues.
 # shellcheck source=tests/program/expect.sh
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 
@@ -16,7 +16,7 @@ mkfifo "damaged/${images[9]}"
 "$plumbline" run --config "$config" --dataset damaged --trajectory out.tum --timing out.csv > out.txt 2> err.txt ||
   fail "run: $(cat err.txt)"
 for file in "${images[3]}" "${images[5]}" "${depths[8]}" "${images[9]}"; do
-  grep -q "skipped: .*$file" err.txt || fail "$file was skipped without a word"
+  grep -q "skipped: .*$file" err.txt || fail "$file was skipped without a message"
 done
 grep -q "^$frames frames: .* 4 skipped, 0 refused" out.txt || fail "the count is wrong: $(cat out.txt)"
 [[ $(wc -l < out.tum) == $((frames - 4)) ]] || fail "$(wc -l < out.tum) poses of $((frames - 4))"

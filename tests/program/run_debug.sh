@@ -3,7 +3,7 @@
 # shellcheck source=tests/program/expect.sh
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 
-# The camera of the shared recording stands still; this one moves.
+# The camera of the shared recording is stationary; this one moves.
 rm -rf recording* debug thin
 "$plumbline" simulate --scene room --out 'recording <b>' --duration 3.2 2> /dev/null
 recording='recording <b>'
@@ -62,7 +62,7 @@ cmp <(grep -vF "$place" debug/report.html) <(grep -vF "$place" "$page") || fail 
 [[ $(grep -cF "$place" debug/report.html) == 1 ]] || fail "report.html has not one line of data"
 grep -F "$place" debug/report.html | sed -e "s|^$place||" -e 's|</script>$||' > data.json
 grep -q '<' data.json && fail "the data may end its script"
-# count MEMBER PATTERN: how often it stands in a list of the data.
+# count MEMBER PATTERN: how often it is in a list of the data.
 count() { grep -oE "\"$1\":\[[^]]*\]" data.json | head -n 1 | grep -oE -- "$2" | wc -l; }
 for member in t health points_located total_ms position_m; do
   [[ $(count $member '[[,][0-9]') == "$frames" ]] || fail "$(count $member '[[,][0-9]') numbers of $member in the page"

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# What a run says of itself: the counts, why there is no pose, times and states of each frame; and the configuration it
+# What a run reports: the counts, why there is no pose, times and states of each frame; and the configuration it
 # takes by itself.
 # shellcheck source=tests/program/expect.sh
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 
-# A camera that stands still, and nothing that tells how far anything is.
+# A stationary camera without depth.
 rm -f out.tum
 expect_failure 'no pose in 20 frames: little parallax in 20 of them \(.* degrees of 2, .*must move sideways\); --debug DIR' \
   run --config mono/points/window --dataset "$recording" --trajectory out.tum --timing out.csv --states states.csv

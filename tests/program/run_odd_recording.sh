@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Wrong units, clocks and images are found before the run: what was found, what is expected, what was probably meant.
+# Wrong units, time stamps and images are reported before the run: found value, expected value, probable cause.
 # shellcheck source=tests/program/expect.sh
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 
@@ -13,25 +13,25 @@ odd_rows() {
 scale_columns() { echo "{ for (i = $1; i <= $2; ++i) \$i = \$i * $3; print }"; }
 
 odd_rows imu.csv "$(scale_columns 5 7 1/9.81)"
-expect_error 'odd/imu.csv: the accelerometer reads 1 \(.*expected 9.8 m/s\^2: is it in g instead of m/s\^2\?' "${run[@]}"
+expect_error 'odd/imu.csv: the median norm of the accelerometer is 1, expected 9.8 m/s\^2: is it in g instead of m/s\^2\?' "${run[@]}"
 odd_rows imu.csv "$(scale_columns 5 7 0.05)"
-expect_error 'reads 0.49.*was gravity taken out' "${run[@]}"
+expect_error 'accelerometer is 0.49.*has gravity been subtracted' "${run[@]}"
 odd_rows imu.csv '{ $3 = 20 * sin(NR / 10); print }'
-expect_error 'the gyroscope reads up to [12][0-9].* rad/s: is it in degrees instead of radians a second\?' "${run[@]}"
+expect_error 'gyroscope samples are up to [12][0-9].* rad/s: is it in degrees instead of radians per second\?' "${run[@]}"
 odd_rows imu.csv '{ sub(/^[0-9]+/, sprintf("%d", $1 + 3600)); print }'
-expect_error 'the readings begin 3599.05 s after the last image: are they of another clock or time zone\?' "${run[@]}"
+expect_error 'the IMU samples begin 3599.05 s after the last image: do IMU and images have the same clock and time zone\?' "${run[@]}"
 odd_rows imu.csv '{ $1 = sprintf("%.6f", ($1 - 1600000000) * 1000 + 1600000000); print }'
-expect_error 'readings come 0.2 times a second, .*are the time stamps in milliseconds instead of seconds\?' "${run[@]}"
+expect_error 'IMU sample rate is 0.2 Hz, .*are the time stamps in milliseconds instead of seconds\?' "${run[@]}"
 odd_rows imu.csv '{ $1 = sprintf("%.9f", $1 / 1000); print }'
-expect_error 'readings end 1.*e\+09 s before the first image: ' "${run[@]}"
+expect_error 'IMU samples end 1.*e\+09 s before the first image: ' "${run[@]}"
 odd_rows imu.csv '{ $1 = 1000 * $1; print }'
 expect_error 'odd/imu.csv:2: .*time stamp' "${run[@]}"
 odd_rows imu.csv 'NR % 10 == 2'
-expect_error 'the readings come 20 times a second, expected 100 to 1000$' "${run[@]}"
+expect_error 'the IMU sample rate is 20 Hz, expected 100 to 1000 Hz$' "${run[@]}"
 odd_rows rgb.txt '{ $1 = sprintf("%.6f", 1600000000 + ($1 - 1600000000) * 1000); print }'
 cp odd/rgb.txt odd/depth.txt
 sed -i 's/rgb/depth/' odd/depth.txt
-expect_error 'odd/rgb.txt: the images come 0.02 times .*in milliseconds instead of seconds\?' "${run[@]}"
+expect_error 'odd/rgb.txt: the image rate is 0.02 Hz.*in milliseconds instead of seconds\?' "${run[@]}"
 
 copy_recording odd
 sed -i 's/scale: 1000 /scale: 100000 /' odd/calibration.yaml
@@ -57,13 +57,13 @@ grep -q 'no pose in 20 frames: few features in 20 of them (0 in sight)' err.txt 
 # Odd, but it may work: a warning.
 odd_rows imu.csv 'NR < 40 || NR > 120'
 "$plumbline" "${run[@]}" --unchecked > /dev/null 2> err.txt || true
-grep -q 'warning: odd/imu.csv: no reading for 0.4[01]* s, .* after the first one' err.txt || fail "a gap: $(cat err.txt)"
+grep -q 'warning: odd/imu.csv: no IMU sample for 0.4[01]* s, .* after the first one' err.txt || fail "a gap: $(cat err.txt)"
 sed -i 's/rate_hz: 20$/rate_hz: 60/' odd/calibration.yaml
 "$plumbline" "${run[@]}" --unchecked > /dev/null 2> err.txt || true
-grep -q 'warning: odd/rgb.txt: the images come 20 times a second, the calibration says 60' err.txt ||
+grep -q 'warning: odd/rgb.txt: the image rate is 20 Hz, the calibration has 60 Hz' err.txt ||
   fail "a rate: $(cat err.txt)"
 
-# A good recording is run without a word.
+# A good recording is run without a warning.
 "$plumbline" run --config "$config" --dataset "$recording" --trajectory out.tum > /dev/null 2> err.txt
 if grep -v ' % (' err.txt; then fail "something is wrong with a good recording"; fi
 finish

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A white room in which only edges are left: points alone lose their way or stray, points and lines keep it, with both
+# A white room in which only edges are left: points alone lose track or drift, points and lines do not, with both
 # backends.
 # shellcheck source=tests/program/expect.sh
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
@@ -23,7 +23,7 @@ for backend in window direct; do
   echo "$backend: points $points_lost lost, ATE $points_ate m; points+lines $lost lost, ATE $ate m"
   ((points_lost > 0)) || awk -v points="$points_ate" -v both="$ate" 'BEGIN {exit !(points > 1.5 * both)}' ||
     fail "$backend: points alone find enough here: the room is not white"
-  ((lost == 0)) || fail "$backend: points and lines lost their way in $lost frames"
+  ((lost == 0)) || fail "$backend: points and lines lost track in $lost frames"
   awk -v ate="$ate" 'BEGIN {exit !(ate < 0.1)}' || fail "$backend: ATE $ate m"
 done
 finish

@@ -37,7 +37,7 @@ void check(const LineScene& s, const Measurement& measured, double tolerance) {
 
 TEMPLATE_TEST_CASE("anchored_line: Jacobians by both poses and the line", "", float, double) {
   using S = TestType;
-  for (const auto kind : {LineScene::ordinary, LineScene::near_centre, LineScene::along_view}) {
+  for (const auto kind : {LineScene::ordinary, LineScene::near_center, LineScene::along_view}) {
     const double tolerance = !std::is_same_v<S, float> ? 1e-7 : kind == LineScene::ordinary ? 2e-4 : 2e-3;
     for (std::uint64_t seed = 1; seed < 60; ++seed) {
       const LineScene s(seed, kind);
@@ -72,7 +72,7 @@ TEMPLATE_TEST_CASE("anchored_line: the anchor's own measurement depends on the l
   }
 }
 
-TEST_CASE("anchored_line: a line through the target's centre is not valid there") {
+TEST_CASE("anchored_line: a line through the target's center is not valid there") {
   const LineScene s(1);
   const SE3<double> I;
   const Line3<double> line = Line3<double>::through({1, 0, 2}, {1, 0, 3});

@@ -39,7 +39,7 @@ struct PointScene : LineScene {
 
 TEMPLATE_TEST_CASE("collinear_point: Jacobians by the line's pose, the point and the line", "", float, double) {
   using S = TestType;
-  for (const auto kind : {LineScene::ordinary, LineScene::near_centre, LineScene::along_view}) {
+  for (const auto kind : {LineScene::ordinary, LineScene::near_center, LineScene::along_view}) {
     const double tolerance = std::is_same_v<S, float> ? 1e-3 : 1e-7;
     for (std::uint64_t seed = 1; seed < 60; ++seed) {
       const PointScene s(seed, kind);

@@ -17,7 +17,7 @@ const Vec<double, 3> gravity(0, 0, -9.81);
 
 struct Scene {
   ImuIncrement<double> increment;
-  NavState<double> x_i, x_j;  ///< near what the increment says
+  NavState<double> x_i, x_j;  ///< near the prediction of the increment
 
   explicit Scene(std::uint64_t seed, double error = 0.1) {
     testing::Gaussian normal(seed);

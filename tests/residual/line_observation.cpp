@@ -78,7 +78,7 @@ TEST_CASE("line_observation: inverse depth of a point of the line") {
 TEMPLATE_TEST_CASE("line_observation: Jacobians", "", float, double) {
   using S = TestType;
   const double tolerance = std::is_same_v<S, float> ? 2e-4 : 1e-7;
-  for (const auto kind : {LineScene::ordinary, LineScene::near_centre, LineScene::along_view}) {
+  for (const auto kind : {LineScene::ordinary, LineScene::near_center, LineScene::along_view}) {
     for (std::uint64_t seed = 1; seed < 60; ++seed) {
       const LineScene s(seed, kind);
       const SE3<double> T = (s.T_world_target * s.T_body_cam).inverse() * (s.T_world_anchor * s.T_body_cam);
@@ -89,7 +89,7 @@ TEMPLATE_TEST_CASE("line_observation: Jacobians", "", float, double) {
   }
 }
 
-TEST_CASE("line_observation: not valid through the centre, behind the camera, without length and for NaN") {
+TEST_CASE("line_observation: not valid through the center, behind the camera, without length and for NaN") {
   const Pinhole<double> camera{400, 400, 320, 240, {}};
   const auto seen = observe_line(camera, Vec<double, 2>(300, 200), Vec<double, 2>(400, 260));
   REQUIRE(seen.valid);

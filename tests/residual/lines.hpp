@@ -9,7 +9,7 @@
 namespace plumbline::test {
 
 struct LineScene {
-  enum Kind { ordinary, near_centre, along_view };
+  enum Kind { ordinary, near_center, along_view };
 
   Pinhole<double> camera{458, 457, 367, 248, {}};
   SE3<double> T_body_cam, T_world_anchor, T_world_target;
@@ -25,7 +25,7 @@ struct LineScene {
     T_world_target = T_world_anchor * random_pose(random, 0.2, 0.4);
     const SE3<double> T_target_anchor = (T_world_target * T_body_cam).inverse() * (T_world_anchor * T_body_cam);
     Vec<double, 3> p_t, q_t;  // in the target camera
-    if (kind == near_centre) {
+    if (kind == near_center) {
       p_t << 0.05 + 0.05 * random.uniform(), 0.05 * random.uniform(), 0.1;
       q_t = p_t + Vec<double, 3>(0.02 * random.uniform(), 0.3, 0.2);
     } else if (kind == along_view) {

@@ -37,7 +37,7 @@ void check(const LineScene& s, const Measurement& measured, double tolerance) {
 
 TEMPLATE_TEST_CASE("world_line: Jacobians by the pose and the line", "", float, double) {
   using S = TestType;
-  for (const auto kind : {LineScene::ordinary, LineScene::near_centre, LineScene::along_view}) {
+  for (const auto kind : {LineScene::ordinary, LineScene::near_center, LineScene::along_view}) {
     const double tolerance = !std::is_same_v<S, float> ? 1e-7 : kind == LineScene::ordinary ? 2e-4 : 2e-3;
     for (std::uint64_t seed = 1; seed < 60; ++seed) {
       const LineScene s(seed, kind);

@@ -49,7 +49,7 @@ TEST_CASE("depth_sensor: outliers, holes and edges") {
 
 TEST_CASE("depth_sensor: a corner beside a nearer surface belongs to it") {
   const DepthSensor<double> sensor;
-  const auto at_centre = [&](const Square<9>& image) { return sensor.at(image.view(), {4, 4}); };
+  const auto at_center = [&](const Square<9>& image) { return sensor.at(image.view(), {4, 4}); };
   const double background = 0.4, foreground = 0.5;  // 2.5 m and 2 m, with a slope of 0.002 1/m a pixel
   const auto surface = [](double inverse_depth) { return std::uint16_t(std::lround(1000 / inverse_depth)); };
   for (int first = 2; first <= 8; ++first) {  // the nearer surface begins there, behind it is the other one
@@ -58,7 +58,7 @@ TEST_CASE("depth_sensor: a corner beside a nearer surface belongs to it") {
       for (int x = 0; x < 9; ++x) image.at(x, y) = surface((x >= first ? foreground : background) + 0.002 * y);
     }
     CAPTURE(first);
-    const InverseDepth<double> depth = at_centre(image);
+    const InverseDepth<double> depth = at_center(image);
     if (!depth.valid) continue;  // an edge in between
     REQUIRE(depth.value == Approx((first <= 7 ? foreground : background) + 0.008).margin(5e-4));
   }
@@ -71,12 +71,12 @@ TEST_CASE("depth_sensor: a corner beside a nearer surface belongs to it") {
       noisy.at(x, y) = surface(background + ((x + y) % 4 == 3 ? 0.006 : x == 1 ? -0.006 : 0));
     }
   }
-  REQUIRE(at_centre(image).value == Approx(background + 0.04 - 0.016).margin(5e-4));
-  REQUIRE(at_centre(corner).value == Approx(foreground).margin(5e-4));
-  REQUIRE(at_centre(far_corner).value == Approx(foreground).margin(5e-4));
-  REQUIRE(at_centre(noisy).value == Approx(background).margin(5e-4));
+  REQUIRE(at_center(image).value == Approx(background + 0.04 - 0.016).margin(5e-4));
+  REQUIRE(at_center(corner).value == Approx(foreground).margin(5e-4));
+  REQUIRE(at_center(far_corner).value == Approx(foreground).margin(5e-4));
+  REQUIRE(at_center(noisy).value == Approx(background).margin(5e-4));
   for (int i = 0; i < 9; ++i) image.at(i, 1) = image.at(7, i) = 0;  // holes
-  REQUIRE(at_centre(image).value == Approx(background + 0.04 - 0.016).margin(5e-4));
+  REQUIRE(at_center(image).value == Approx(background + 0.04 - 0.016).margin(5e-4));
 }
 
 TEST_CASE("depth_sensor: out of range, out of the image, not a number") {

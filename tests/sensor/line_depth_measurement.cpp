@@ -87,7 +87,7 @@ TEST_CASE("line_depth_measurement: where two faces of a body meet, both recede a
     }
   }
   DepthSensor<double> sensor;
-  sensor.units_per_metre = 10000;
+  sensor.units_per_meter = 10000;
   const LineDepth<double> found = measure_line_depth(camera, sensor, ImageView<const std::uint16_t>(depth.view()),
                                                      Vec<float, 2>(159.5f, 40), Vec<float, 2>(159.5f, 200));
   REQUIRE(found.valid);

@@ -26,7 +26,7 @@ static_assert(Mono<Camera, pixels>::max_pixels == pixels && !Mono<Camera>::has_d
 
 }  // namespace
 
-TEST_CASE("mono: a readout is known unless something else is said") {
+TEST_CASE("mono: the readout time is known by default") {
   REQUIRE(Mono<Camera>{}.readout.get().value_s == 0);
   REQUIRE(Mono<Camera>{}.readout.get().sigma_s == 0);
   Mono<Camera, pixels, Rolling> rolling{};

@@ -22,7 +22,7 @@ static_assert(Rgbd<Camera, pixels>::max_pixels == pixels && Rgbd<Camera>::has_de
 
 }  // namespace
 
-TEST_CASE("rgbd: the readout is to be found out, if it has one") {
+TEST_CASE("rgbd: the readout time is estimated for a rolling shutter") {
   REQUIRE(Rgbd<Camera>{}.readout.get().value_s == 0);
   REQUIRE(Rgbd<Camera>{}.readout.get().sigma_s > 0);
   REQUIRE(Rgbd<Camera, pixels, Global>{}.readout.get().sigma_s == 0);

@@ -26,7 +26,7 @@ static_assert(InertialRig<Rig<Mono<Camera>, Imu>> && !InertialRig<Rig<Mono<Camer
 static_assert(!SensorRig<Camera> && !SensorRig<Mono<Camera>>);
 static_assert(VisionSensor<Mono<Camera>> && VisionSensor<Rgbd<Camera>> && !VisionSensor<Rig<Mono<Camera>>>);
 
-/// A camera that does not say what its shutter is.
+/// A camera without a shutter type.
 struct WithoutShutter {
   using Camera = Pinhole<float>;
   using Scalar = float;

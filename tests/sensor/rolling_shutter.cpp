@@ -38,7 +38,8 @@ static_assert(std::is_same_v<Global::Model<Pinhole<float>>, GlobalShutter<Pinhol
 static_assert(std::is_empty_v<GlobalShutter<Pinhole<float>>>);
 }  // namespace
 
-TEMPLATE_TEST_CASE("rolling_shutter: a moving camera's rows, brought to the middle of the frame", "", float, double) {
+TEMPLATE_TEST_CASE("rolling_shutter: rows of a moving camera, corrected to the middle of the frame", "", float,
+                   double) {
   using S = TestType;
   const auto cam = camera<S>();
   testing::Gaussian random(3);
@@ -63,7 +64,7 @@ TEMPLATE_TEST_CASE("rolling_shutter: a moving camera's rows, brought to the midd
   }
 }
 
-TEMPLATE_TEST_CASE("rolling_shutter: slopes are derivatives by the readout", "", float, double) {
+TEMPLATE_TEST_CASE("rolling_shutter: derivatives are derivatives by the readout", "", float, double) {
   using S = TestType;
   const auto cam = camera<S>();
   const Motion<S> motion{{S(0.4), S(-1.1), S(1.7)}, {S(0.7), S(-0.4), S(0.5)}, S(1.3)};
@@ -74,15 +75,15 @@ TEMPLATE_TEST_CASE("rolling_shutter: slopes are derivatives by the readout", "",
     const auto at = [&](S readout) { return shutter_of<S>(cam, readout, motion); };
     const auto pixel = [&](S readout) { return at(readout).still(uv, lambda).uv; };
     const Vec<S, 2> numeric = (pixel(step) - pixel(-step)) / (2 * step);
-    REQUIRE((at(S(0)).still(uv, lambda).slope.by_readout() - numeric).norm() < tolerance);
+    REQUIRE((at(S(0)).still(uv, lambda).derivative.by_readout() - numeric).norm() < tolerance);
     const auto bearing = [&](S readout) { return cam.unproject(pixel(readout)).bearing; };
     const Vec<S, 3> numeric_bearing = (bearing(step) - bearing(-step)) / (2 * step);
-    const Vec<S, 3> slope = at(S(0)).bearing_slope(uv, bearing(S(0)), lambda).by_readout();
-    REQUIRE((slope - numeric_bearing).norm() < tolerance / 100);
+    const Vec<S, 3> derivative = at(S(0)).bearing_derivative(uv, bearing(S(0)), lambda).by_readout();
+    REQUIRE((derivative - numeric_bearing).norm() < tolerance / 100);
   }
 }
 
-TEMPLATE_TEST_CASE("rolling_shutter: what is found to be nearer is brought to the middle anew", "", float, double) {
+TEMPLATE_TEST_CASE("rolling_shutter: a changed depth corrects the row again", "", float, double) {
   using S = TestType;
   const auto cam = camera<S>();
   const S readout = S(0.03);
@@ -91,26 +92,26 @@ TEMPLATE_TEST_CASE("rolling_shutter: what is found to be nearer is brought to th
     const Vec<S, 2> uv(S(200), v);
     const auto near = shutter.still(uv, S(0.8));
     auto far = shutter.still(uv, S(0));
-    REQUIRE(far.slope.inverse_range == Approx(1.0 / 3));
+    REQUIRE(far.derivative.inverse_range == Approx(1.0 / 3));
     const bool moved = (near.uv - far.uv).norm() > S(1);
     REQUIRE(moved == (v != S(240)));
-    far.uv += far.slope.set_inverse_range(S(0.8), readout);
+    far.uv += far.derivative.set_inverse_range(S(0.8), readout);
     REQUIRE((far.uv - near.uv).norm() < S(0.1));
-    REQUIRE((far.slope.by_readout() - near.slope.by_readout()).norm() < S(4));
+    REQUIRE((far.derivative.by_readout() - near.derivative.by_readout()).norm() < S(4));
     // In another unit of length it is the same.
-    const Vec<S, 2> before = far.slope.by_readout();
-    far.slope.rescale(S(2));
-    REQUIRE(far.slope.inverse_range == Approx(0.4));
-    REQUIRE((far.slope.by_readout() - before).norm() < S(1e-3));
+    const Vec<S, 2> before = far.derivative.by_readout();
+    far.derivative.rescale(S(2));
+    REQUIRE(far.derivative.inverse_range == Approx(0.4));
+    REQUIRE((far.derivative.by_readout() - before).norm() < S(1e-3));
     const Vec<S, 3> ray = cam.unproject(near.uv).bearing;
-    auto bearing_far = shutter.bearing_slope(uv, ray, S(0.1));
+    auto bearing_far = shutter.bearing_derivative(uv, ray, S(0.1));
     bearing_far.set_inverse_range(S(0.8), readout);
-    const auto bearing_near = shutter.bearing_slope(uv, ray, S(0.8));
+    const auto bearing_near = shutter.bearing_derivative(uv, ray, S(0.8));
     REQUIRE((bearing_far.by_readout() - bearing_near.by_readout()).norm() < S(1e-5));
   }
 }
 
-TEST_CASE("rolling_shutter: no readout time, a camera at rest and NaN") {
+TEST_CASE("rolling_shutter: no readout time, a stationary camera and NaN") {
   const auto cam = camera<double>();
   const Vec<double, 2> uv(77, 33);
   const Motion<double> moving{{1, 2, 3}, {1, 1, 1}};
@@ -118,7 +119,7 @@ TEST_CASE("rolling_shutter: no readout time, a camera at rest and NaN") {
   REQUIRE((RollingShutter(cam, height, 0.03).seen(uv, 1) - uv).norm() < 1e-6);
   const Vec<double, 2> nan(std::nan(""), 33);
   REQUIRE(!shutter_of<double>(cam, 0.03, moving).still(nan, 1).uv.allFinite());
-  REQUIRE(shutter_of<double>(cam, 0.03, moving).still(uv, std::nan("")).slope.inverse_range == 0.5);
+  REQUIRE(shutter_of<double>(cam, 0.03, moving).still(uv, std::nan("")).derivative.inverse_range == 0.5);
 }
 
 TEMPLATE_TEST_CASE("rolling_shutter: all rows at once is what a rolling shutter without readout time is", "", float,
@@ -138,9 +139,9 @@ TEMPLATE_TEST_CASE("rolling_shutter: all rows at once is what a rolling shutter 
   RollingShutter known(cam, height, S(0), /*is_known=*/true);
   known.set_motion(motion.w, motion.v, S(0.5));
   REQUIRE(known.still(uv, S(1)).uv == uv);
-  REQUIRE(known.still(uv, S(1)).slope.by_readout().isZero(0));
-  REQUIRE(rolling.still(uv, S(1)).slope.by_readout().norm() > S(0.1));
-  REQUIRE(global.still(uv, S(1)).slope.by_readout().isZero(0));
-  REQUIRE(global.bearing_slope(uv, Vec<S, 3>::UnitZ(), S(1)).by_readout().isZero(0));
-  REQUIRE(rolling.bearing_slope(uv, Vec<S, 3>::UnitZ(), S(1)).by_readout().norm() > S(0.1));  // it could have one
+  REQUIRE(known.still(uv, S(1)).derivative.by_readout().isZero(0));
+  REQUIRE(rolling.still(uv, S(1)).derivative.by_readout().norm() > S(0.1));
+  REQUIRE(global.still(uv, S(1)).derivative.by_readout().isZero(0));
+  REQUIRE(global.bearing_derivative(uv, Vec<S, 3>::UnitZ(), S(1)).by_readout().isZero(0));
+  REQUIRE(rolling.bearing_derivative(uv, Vec<S, 3>::UnitZ(), S(1)).by_readout().norm() > S(0.1));  // it could have one
 }

@@ -274,7 +274,7 @@ TEST_CASE("landmark_elimination: covariance of the landmark, the poses given") {
 
 namespace {
 
-/// Two landmarks, one of one parameter and one of four, each with rows of its own and tied by two more, in the order
+/// Two landmarks, one of one parameter and one of four, each with rows of its own and two of both, in the order
 /// [point | line | poses] of a dense matrix.
 struct Tied {
   static constexpr int dim = pose_dim * poses, columns = 1 + 4 + dim;
@@ -339,7 +339,7 @@ struct Tied {
 
 }  // namespace
 
-TEST_CASE("landmark_elimination: rows that tie a landmark to another one") {
+TEST_CASE("landmark_elimination: rows that depend on two landmarks") {
   for (std::uint64_t seed = 1; seed < 20; ++seed) {
     for (const double mu : {0.0, 0.3}) {
       Tied tied(seed);
@@ -360,7 +360,7 @@ TEST_CASE("landmark_elimination: rows that tie a landmark to another one") {
       tied.line.absorb(by_line, left);
       left.add_to(tied.normal);
 
-      // The landmarks are damped by the diagonal of their own rows, without the tie.
+      // The landmarks are damped by the diagonal of their own rows, without the common ones.
       Eigen::MatrixXd H = tied.J.transpose() * tied.J;
       Eigen::VectorXd damping = Eigen::VectorXd::Zero(Tied::columns);
       damping.head(5) = mu * tied.J.topRows(tied.J.rows() - 2).leftCols(5).colwise().squaredNorm().transpose();

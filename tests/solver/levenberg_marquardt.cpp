@@ -49,7 +49,7 @@ struct Logarithm {
   Mat<double, 2, 2> J(const Vec<double, 2>& x) const { return (Mat<double, 2, 2>() << 1 / x[0], 0, 0, 1).finished(); }
 };
 
-/// Claims to go down where it goes up.
+/// A gradient of the wrong sign.
 struct WrongJacobian {
   Vec<double, 2> r(const Vec<double, 2>& x) const { return {1 + x.squaredNorm(), 0}; }
   Mat<double, 2, 2> J(const Vec<double, 2>&) const { return (Mat<double, 2, 2>() << 1, 1, 1, -1).finished(); }

@@ -43,7 +43,7 @@ Eigen::VectorXd gradient(const Prior<N>& prior) {
 
 }  // namespace
 
-TEST_CASE("marginalization: equals the Schur prior, wherever the states stand") {
+TEST_CASE("marginalization: equals the Schur prior, whatever the states") {
   Random random(1);
   const int dim = 14;
   const Eigen::MatrixXd J = random_matrix(random, 61, dim);
@@ -222,7 +222,7 @@ TEST_CASE("marginalization: information of a prior") {
   }
 }
 
-TEST_CASE("marginalization: columns that a prior knows nothing of") {
+TEST_CASE("marginalization: columns without information") {
   Random random(13);
   Prior<9> prior, wide;
   prior.J0 = random_matrix(random, 5, 6);

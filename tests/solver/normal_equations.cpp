@@ -54,7 +54,7 @@ TEMPLATE_TEST_CASE("normal_equations: block rows give the dense sums", "", float
   REQUIRE(system.normal->cost() == 0.0);
 }
 
-TEST_CASE("normal_equations: cost is half the sum of rho, and reset forgets everything") {
+TEST_CASE("normal_equations: cost is half the sum of rho, and reset clears everything") {
   System<float> system(2);
   system.normal->add_cost(3.0);
   system.normal->add_cost(4.0);
@@ -120,7 +120,7 @@ TEST_CASE("normal_equations: covariance blocks are those of the inverse") {
   }
 }
 
-TEST_CASE("normal_equations: takes what is known otherwise, and whole blocks") {
+TEST_CASE("normal_equations: takes prior information, and whole blocks") {
   Random random(6);
   System<double> system(7);
   const Eigen::MatrixXd J = random_matrix(random, dim, dim), known = J.transpose() * J;

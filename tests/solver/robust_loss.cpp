@@ -66,9 +66,9 @@ TEST_CASE("robust_loss: weights of the reference") {
   REQUIRE(GemanMcClure<double>{2.0}.rho(1e12) == Approx(2.0));
 }
 
-TEST_CASE("robust_loss: a kernel is as wide as it wants to be for the rows of a residual") {
+TEST_CASE("robust_loss: a kernel has its own width for the rows of a residual") {
   STATIC_REQUIRE(loss_for<Huber, double, 1>.c == 1.345);
   STATIC_REQUIRE(loss_for<Huber, double, 2>.c == 2.45);
   STATIC_REQUIRE(loss_for<Huber, float, 3>.c > 2.79f);
-  STATIC_REQUIRE(loss_for<Tukey, double, 2>.c == 4.685);  // says nothing of rows
+  STATIC_REQUIRE(loss_for<Tukey, double, 2>.c == 4.685);  // has no width for rows
 }

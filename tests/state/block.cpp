@@ -9,7 +9,7 @@ using namespace plumbline;
 
 namespace {
 
-/// A block moves by as many numbers as it says.
+/// A block has an increment of the dimension that it states.
 template <class Block, class S>
 constexpr bool moves = requires(const typename Block::template Value<S>& x, const Vec<S, Block::dim>& d) {
   { plus(x, d) } -> std::convertible_to<typename Block::template Value<S>>;
@@ -29,7 +29,7 @@ TEST_CASE("block: dimensions are those of the increments") {
   REQUIRE(state::TimeOffset::dim == 1);
 }
 
-TEST_CASE("block: blocks of one shape are told apart by name") {
+TEST_CASE("block: blocks of one shape are distinguished by name") {
   STATIC_REQUIRE_FALSE(std::is_same_v<state::GyroBias, state::AccelBias>);
   STATIC_REQUIRE(std::is_same_v<state::GyroBias::Value<float>, state::AccelBias::Value<float>>);
   STATIC_REQUIRE(std::is_same_v<state::Pose::Value<double>, SE3<double>>);

@@ -20,14 +20,14 @@ struct Wrong {
   Vec3 turned = Vec3::Zero();
 };
 
-/// 10 Hz images of 2e-4 rad, readings of 200 Hz; what is corrected is in force from the next image on.
+/// 10 Hz images of 2e-4 rad, IMU samples of 200 Hz; a correction applies from the next image on.
 class Body {
  public:
   explicit Body(const Wrong& wrong, double activity = 1) : wrong_(wrong), activity_(activity) {}
 
   double time_offset_s() const { return in_force_s_; }
-  void turn_clock(CameraImuFilter& filter, double step_s) {
-    filter.turn_clock(step_s);
+  void shift_time_offset(CameraImuFilter& filter, double step_s) {
+    filter.shift_time_offset(step_s);
     in_force_s_ += step_s;
   }
 
@@ -35,7 +35,7 @@ class Body {
   void run(CameraImuFilter& filter, double seconds) {
     for (const double end = t_ + seconds; t_ < end; t_ += 0.1) {
       in_force_s_ += filter.take_time_offset();
-      // The image of this time stamp was taken at t + wrong, and is taken to be of t + in force.
+      // The image of this time stamp was taken at t + wrong, and is used as one of t + the current offset.
       const double until = t_ + in_force_s_;
       ImuIncrement<S> increment(Vec<S, 3>::Zero(), Vec<S, 3>::Zero());
       const Vec3 rate = gyro(until);
@@ -76,7 +76,7 @@ class Body {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("camera_imu_filter: finds the camera's clock to a millisecond", "", float, double) {
+TEMPLATE_TEST_CASE("camera_imu_filter: estimates the time offset to a millisecond", "", float, double) {
   for (const double offset_s : {0.015, -0.015, 0.05, -0.05}) {
     CAPTURE(offset_s);
     CameraImuFilter filter(CameraImuOptions{});
@@ -89,14 +89,14 @@ TEMPLATE_TEST_CASE("camera_imu_filter: finds the camera's clock to a millisecond
   }
 }
 
-TEST_CASE("camera_imu_filter: a clock that others correct is not corrected twice") {
+TEST_CASE("camera_imu_filter: a time offset corrected by the window is not corrected twice") {
   CameraImuFilter filter(CameraImuOptions{});
   Body body({0.015});
-  body.turn_clock(filter, 0.015);
+  body.shift_time_offset(filter, 0.015);
   body.run<double>(filter, 20);
   CAPTURE(body.time_offset_s());
   REQUIRE(std::abs(body.time_offset_s() - 0.015) < 1e-3);
-  body.turn_clock(filter, -0.015);  // they give it up
+  body.shift_time_offset(filter, -0.015);  // they give it up
   body.run<double>(filter, 1);
   REQUIRE(std::abs(body.time_offset_s() - 0.015) < 1.5e-3);
 }
@@ -105,13 +105,13 @@ TEST_CASE("camera_imu_filter: a calibration that is right stays as it is") {
   CameraImuFilter filter(CameraImuOptions{});
   Body body({});
   body.run<double>(filter, 5);
-  REQUIRE(filter.believes_clock(3e-3));
+  REQUIRE(filter.accepts_time_offset(3e-3));
   body.run<double>(filter, 55);
   REQUIRE(body.time_offset_s() == 0);
   REQUIRE(filter.rotation_error().norm() < 3 * filter.rotation_sigma());
 }
 
-TEST_CASE("camera_imu_filter: tells how the camera is mounted") {
+TEST_CASE("camera_imu_filter: estimates the rotation of the extrinsics") {
   const Vec3 turned(0.02, -0.03, 0.01);
   CameraImuFilter filter(CameraImuOptions{});
   Body body({0, turned});
@@ -120,16 +120,16 @@ TEST_CASE("camera_imu_filter: tells how the camera is mounted") {
   // Vision has the body R_bc' R_bc^T of where it is.
   REQUIRE((filter.rotation_error() - turned).norm() < 0.006);
   REQUIRE(body.time_offset_s() == 0);
-  filter.turn_mount(turned);  // from now on it is known
+  filter.rotate_extrinsics(turned);  // from now on it is known
   REQUIRE(filter.rotation_error().norm() < 0.006);
 }
 
-TEST_CASE("camera_imu_filter: survives another world, a jump of the bias, and a body that does not turn") {
+TEST_CASE("camera_imu_filter: is consistent after a reset, a bias jump, and without rotation") {
   CameraImuFilter filter(CameraImuOptions{});
   Body body({0.015});
   body.run<double>(filter, 10);
   body.leave_world();
-  filter.forget_world();
+  filter.reset_world();
   body.run<double>(filter, 5);
   body.jump();
   body.run<double>(filter, 10);
@@ -142,7 +142,7 @@ TEST_CASE("camera_imu_filter: survives another world, a jump of the bias, and a 
   REQUIRE(nothing.time_offset_sigma() > 0.03);
 }
 
-TEST_CASE("camera_imu_filter: no clock is corrected without end") {
+TEST_CASE("camera_imu_filter: the correction of the time offset is limited") {
   CameraImuOptions options;
   options.max_correction_s = 0.03;
   CameraImuFilter filter(options);
@@ -151,7 +151,7 @@ TEST_CASE("camera_imu_filter: no clock is corrected without end") {
   REQUIRE(body.time_offset_s() == 0.03);
 }
 
-TEST_CASE("camera_imu_filter: what is known is not estimated") {
+TEST_CASE("camera_imu_filter: a calibrated value is not estimated") {
   CameraImuOptions options;
   options.time_offset_sigma_s = options.rotation_sigma = 0;
   CameraImuFilter filter(options);
@@ -159,5 +159,5 @@ TEST_CASE("camera_imu_filter: what is known is not estimated") {
   body.run<double>(filter, 20);
   REQUIRE(filter.time_offset_error() == 0);
   REQUIRE(filter.rotation_error().norm() == 0);
-  REQUIRE(filter.believes_clock(1e-9));
+  REQUIRE(filter.accepts_time_offset(1e-9));
 }

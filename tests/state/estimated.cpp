@@ -67,7 +67,7 @@ TEMPLATE_TEST_CASE("estimated: value = first estimate [+] correction, of a pose 
   }
 }
 
-TEST_CASE("estimated: nothing known is the identity, or zero") {
+TEST_CASE("estimated: the default is the identity, or zero") {
   REQUIRE(Estimated<state::Pose, double>().value().log().norm() == 0);
   REQUIRE(Estimated<state::GyroBias, float>().value().isZero(0));
   REQUIRE(Estimated<state::GyroBias, float>().correction().isZero(0));

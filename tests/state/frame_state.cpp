@@ -71,7 +71,7 @@ TEMPLATE_TEST_CASE("frame_state: values by name, and a layout of the pose alone"
   REQUIRE(minus(frame.value().T_world_body, plus(x.T_world_body, d)).norm() < tolerance<S>);
 }
 
-TEST_CASE("frame_state: nothing known is at rest in the origin") {
+TEST_CASE("frame_state: the default is stationary in the origin") {
   const FrameState<double, InertialLayout> frame;
   REQUIRE(minus(frame.value(), NavState<double>()).norm() == 0);
 }

@@ -48,7 +48,7 @@ TEST_CASE("frame_window: older and newer go by the order of insertion, not by sl
   REQUIRE(window.oldest() == 2);
 }
 
-TEMPLATE_TEST_CASE("frame_window: a new pose's first estimate stands to the newest one's as the poses do", "", float,
+TEMPLATE_TEST_CASE("frame_window: the first estimate of a new pose has the relative pose of the estimates", "", float,
                    double) {
   using S = TestType;
   const S tolerance = std::is_same_v<S, float> ? S(2e-6) : S(1e-12);
@@ -68,8 +68,7 @@ TEMPLATE_TEST_CASE("frame_window: a new pose's first estimate stands to the newe
   REQUIRE(minus(plus(first(1), e), T_1).norm() < 2 * tolerance);
 }
 
-TEMPLATE_TEST_CASE("frame_window: a pose that no prior refers to stands so however the window moves", "", float,
-                   double) {
+TEMPLATE_TEST_CASE("frame_window: a pose without a prior keeps that relative pose in every step", "", float, double) {
   using S = TestType;
   const S tolerance = std::is_same_v<S, float> ? S(4e-6) : S(1e-12);
   FrameWindow<S, VisualLayout, 4> window;
@@ -114,7 +113,7 @@ TEST_CASE("frame_window: only poses take over how far the window has moved") {
   REQUIRE(window[1].state.get<state::Pose>().correction().norm() > 0.1);
 }
 
-TEST_CASE("frame_window: the latest frame is one of the window, or stands alone") {
+TEST_CASE("frame_window: the latest frame is one of the window, or separate") {
   Window window;
   window.set_latest({pose(5)});
   REQUIRE(window.latest().T_world_body.p().x() == 5);

@@ -26,11 +26,11 @@ TEST_CASE("health: every state and every reason has a name of its own") {
   REQUIRE(int(state_names.size()) == states);
   REQUIRE(int(reason_names.size()) == reasons);
   REQUIRE(states > int(HealthState::lost));
-  REQUIRE(reasons > int(HealthReason::coasting));
+  REQUIRE(reasons > int(HealthReason::imu_only));
   REQUIRE(std::string(name_of(HealthState(255))) == "unknown");
 }
 
-TEST_CASE("health: nothing is claimed before there is a pose") {
+TEST_CASE("health: initializing before there is a pose") {
   REQUIRE(Health{}.state == HealthState::initializing);
   REQUIRE(Health{}.reason == HealthReason::none);
 }

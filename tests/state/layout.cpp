@@ -37,7 +37,7 @@ TEST_CASE("layout: a frame of a rig with an IMU has the order of NavState's erro
   STATIC_REQUIRE(VisualLayout::dim == state::Pose::dim);
 }
 
-TEST_CASE("layout: mount and clock of a camera are estimated on a body that readings move") {
+TEST_CASE("layout: extrinsics and time offset are estimated with an IMU") {
   STATIC_REQUIRE(RigLayout<VisualLayout>::dim == 0);
   STATIC_REQUIRE_FALSE(has_extrinsics<VisualLayout>);
   STATIC_REQUIRE_FALSE(has_time_offset<VisualLayout>);

@@ -18,9 +18,9 @@ using RigOf = Rig<Mono<Pinhole<S>, 64 * 64, Shutter>>;
 
 // The readout of a global shutter takes no memory.
 static_assert(sizeof(RigState<RigOf<float, Global>>) == sizeof(SE3<float>));
-static_assert(sizeof(RigState<RigOf<float, Rolling>>) >= sizeof(SE3<float>) + sizeof(ReadoutBelief<float>));
+static_assert(sizeof(RigState<RigOf<float, Rolling>>) >= sizeof(SE3<float>) + sizeof(ReadoutEstimate<float>));
 
-TEMPLATE_TEST_CASE("rig_state: what is found out about the readout is in force", "", float, double) {
+TEMPLATE_TEST_CASE("rig_state: the estimated readout time is used", "", float, double) {
   using S = TestType;
   RigOf<S, Rolling> rig{};
   rig.vision.readout.set({S(0.01), S(0.02)});
@@ -52,7 +52,7 @@ TEST_CASE("rig_state: a readout that is known stays as it is") {
   REQUIRE(rig_state.readout().value_s == 0.01);
 }
 
-TEST_CASE("rig_state: extrinsics and clock are those of the calibration, until the clock is found to be another") {
+TEST_CASE("rig_state: extrinsics and time offset are those of the calibration until corrected") {
   Rig<Mono<Pinhole<float>>, Imu> rig{};
   rig.imu.T_body_cam = SE3<double>(SO3<double>::exp({0.1, 0.2, 0.3}), Vec<double, 3>(1, 2, 3));
   rig.imu.camera_time_offset_s = 0.01;

@@ -3,8 +3,9 @@
 
 cmake_minimum_required(VERSION 3.25)
 
-set(parts Imu Preintegration InertialLinks CameraClock ClockShift AlignmentWindow InverseDepthMeasurement DepthSensor LineKind EdgeFollowing
-  LineTracker CollinearKind CollinearSegments CollinearTerms RollingShutter ReadoutBelief ReadoutSlopes)
+set(parts Imu Preintegration ImuFactors CameraTimeOffset TimeOffsetShift AlignmentWindow InverseDepthMeasurement
+  DepthSensor LineKind EdgeFollowing LineTracker CollinearKind CollinearSegments CollinearTerms RollingShutter
+  ReadoutEstimate ReadoutDerivatives)
 
 foreach(object BARE FULL)
   execute_process(COMMAND "${NM}" --demangle --defined-only "${${object}}" OUTPUT_VARIABLE symbols

@@ -54,12 +54,12 @@ const World& in_motion() {
   static const World world(2, frame_count, room());
   return world;
 }
-/// The body stands for a second, then gains speed.
-const World& at_rest_first() {
+/// The body is stationary for a second, then gains speed.
+const World& is_stationary_first() {
   static const World world(0, 160, room());
   return world;
 }
-/// It comes to a halt within half a second, and stands.
+/// It stops within half a second, and is stationary.
 World coming_to_a_halt() {
   testing::Trajectory way = room();
   way.stop(3, 30);
@@ -67,7 +67,7 @@ World coming_to_a_halt() {
 }
 SE3<double> T_body_cam() { return testing::simulated_T_body_camera(); }
 
-/// Fourteen seconds in a room, begun in motion; or eight, begun at rest.
+/// Fourteen seconds in a room, initialized in motion; or eight, initialized while stationary.
 struct RoomFlight {
   using Change = std::function<bool(double t, cv::Mat& image, bool follows_keyframe)>;
 
@@ -89,10 +89,10 @@ struct RoomFlight {
     sensors.imu.T_body_cam = T_body_cam();
     sensors.imu.noise = quality.noise;
     const auto vio = std::make_unique<Simulated>(sensors);
-    testing::SimulatedImu::Reading reading = simulated_imu.next(trajectory);
+    testing::SimulatedImu::Measurement measured = simulated_imu.next(trajectory);
     for (std::size_t i = 0; i < world.seen.frames.size(); ++i) {
-      for (; reading.sample(0).t_ns <= world.seen.t_ns[i]; reading = simulated_imu.next(trajectory)) {
-        if (reading.t >= world.first_s - 0.1) REQUIRE(vio->add_imu(reading.sample(0)));
+      for (; measured.sample(0).t_ns <= world.seen.t_ns[i]; measured = simulated_imu.next(trajectory)) {
+        if (measured.t >= world.first_s - 0.1) REQUIRE(vio->add_imu(measured.sample(0)));
       }
       cv::Mat image = opencv::mat(world.seen.frames[i].gray.view()).clone();
       const bool follows_keyframe = i > 0 && vio->latest().keyframe && vio->latest().t_ns == world.seen.t_ns[i - 1];
@@ -137,7 +137,7 @@ bool during(double t, double from, double to) { return t >= from && t < to; }
 
 }  // namespace
 
-TEST_CASE("semi_direct_vio: fourteen seconds in a room, begun in motion") {
+TEST_CASE("semi_direct_vio: fourteen seconds in a room, initialized in motion") {
   const RoomFlight run;
   CAPTURE(run.ate(), run.part(HealthState::tracking, 9, 14), name_of(run.init.alignment));
   REQUIRE(run.init.stage == InitStage::done);
@@ -149,7 +149,7 @@ TEST_CASE("semi_direct_vio: fourteen seconds in a room, begun in motion") {
   CHECK(std::abs(run.estimates.back().v_world_body.norm() - v_truth.norm()) < 0.05);
 }
 
-TEST_CASE("semi_direct_vio: a body that comes to a halt before its start has a place there") {
+TEST_CASE("semi_direct_vio: a body that stops before initialization has a stationary pose") {
   const World world = coming_to_a_halt();
   const RoomFlight run([](double, cv::Mat&, bool) { return true; }, world);
   int poses = 0;
@@ -169,7 +169,7 @@ TEST_CASE("semi_direct_vio: a body that comes to a halt before its start has a p
 }
 
 // What is found again after two seconds hangs on the moment: one of six leaves 0.12 m, or 0.06 m.
-TEST_CASE("semi_direct_vio: black for two seconds, from five moments on") {
+TEST_CASE("semi_direct_vio: black images for two seconds, at five times") {
   std::vector<double> errors;
   for (const double begin_s : {8.0, 8.2, 8.4, 8.6, 8.8}) {
     const double end_s = begin_s + 2;
@@ -189,7 +189,7 @@ TEST_CASE("semi_direct_vio: black for two seconds, from five moments on") {
   CHECK(errors[errors.size() / 2] < 0.03);
 }
 
-TEST_CASE("semi_direct_vio: images that are of little use for a while") {
+TEST_CASE("semi_direct_vio: images with few features for a while") {
   struct Case {
     const char* name;
     RoomFlight::Change change;
@@ -230,16 +230,16 @@ TEST_CASE("semi_direct_vio: images that are of little use for a while") {
   CHECK(run.part(HealthState::tracking, 12, 14) == 1);
 }
 
-// It stood, its poses were published, and it left in the dark before its start was complete.
-TEST_CASE("semi_direct_vio: where a body begins anew is known as far as its readings tell") {
-  const double dark_s = GENERATE(1.5, 5.0);
+// Its stationary pose was published, and it left during a visual outage before initialization was complete.
+TEST_CASE("semi_direct_vio: the initial covariance after a reset is that of IMU-only propagation") {
+  const double outage_s = GENERATE(1.5, 5.0);
   const RoomFlight run(
       [&](double t, cv::Mat& image, bool) {
-        if (during(t, 1.5, 1.5 + dark_s)) image.setTo(0);
+        if (during(t, 1.5, 1.5 + outage_s)) image.setTo(0);
         return true;
       },
-      at_rest_first());
-  CAPTURE(dark_s);
+      is_stationary_first());
+  CAPTURE(outage_s);
   SE3<double> T_published_true;  // the first pose that is published; the vertical is known
   bool has_pose = false;
   int poses_after = 0;
@@ -256,18 +256,15 @@ TEST_CASE("semi_direct_vio: where a body begins anew is known as far as its read
     const Vec<double, 6> error = minus(estimate.T_world_body, T_published_true * truth);
     CAPTURE(t, name_of(estimate.health.state), error.transpose(), estimate.covariance.diagonal().transpose());
     for (int k = 0; k < 6; ++k) CHECK(std::abs(error[k]) < 3 * std::sqrt(estimate.covariance(k, k)) + 2e-3);
-    poses_after += t > 1.5 + dark_s && estimate.health.state != HealthState::initializing;
+    poses_after += t > 1.5 + outage_s && estimate.health.state != HealthState::initializing;
   }
   CHECK(poses_after > 10);
-  CHECK(run.estimates.back().resets == (dark_s > 3));
+  CHECK(run.estimates.back().resets == (outage_s > 3));
 }
 
-TEST_CASE("semi_direct_vio: fifteen seconds of a real flight") {
+TEST_CASE("semi_direct_vio: fifteen seconds of a real flight", "[data]") {
   const std::filesystem::path flight = std::filesystem::path(PLUMBLINE_TEST_DATA) / "euroc_mh01_flight";
-  if (!std::filesystem::exists(flight)) {
-    WARN("recording euroc_mh01_flight not found; nothing tested");
-    return;
-  }
+  if (skip_without(flight)) return;
   io::Recording::Options part;
   part.duration_s = 15;
   io::Recording recording = io::Recording::open(flight, part);

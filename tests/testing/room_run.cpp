@@ -12,7 +12,7 @@ using namespace plumbline;
 
 namespace {
 
-/// Knows the truth, and adds a drift to it.
+/// The truth with a drift.
 struct Oracle {
   using Sensors = Rig<Rgbd<Pinhole<double>, 160 * 128>>;
   Sensors sensors{};
@@ -44,7 +44,7 @@ struct Oracle {
 
 }  // namespace
 
-TEST_CASE("room_run: measures what the estimator is off") {
+TEST_CASE("room_run: measures the error of the estimator") {
   Oracle exact;
   const testing::RoomRun run = testing::run_in_room(exact, 5);
   REQUIRE((run.frames == 5 && run.tracked == 5));

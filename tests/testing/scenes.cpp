@@ -39,7 +39,7 @@ TEST_CASE("scenes: boxes leave out the faces on the wall and on the floor") {
   scene.add_box(placement(1, 2, 0, 0.5), {0, 0.1, 0.1}, {1, 1, 1}, Material{});
   REQUIRE(scene.rectangles.size() == 10);
   for (const Rectangle& r : scene.rectangles) {  // normals point away from the box
-    const Vec<double, 3> centre = placement(1, 2, 0, 0.5) * Vec<double, 3>(0.5, 0.5, 0.5);
-    REQUIRE(r.normal().dot(r.origin + 0.5 * r.width * r.e_u + 0.5 * r.height * r.e_v - centre) > 0.3);
+    const Vec<double, 3> center = placement(1, 2, 0, 0.5) * Vec<double, 3>(0.5, 0.5, 0.5);
+    REQUIRE(r.normal().dot(r.origin + 0.5 * r.width * r.e_u + 0.5 * r.height * r.e_v - center) > 0.3);
   }
 }

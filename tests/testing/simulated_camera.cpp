@@ -87,7 +87,7 @@ TEST_CASE("simulated_camera: depth has holes off its range and at edges only") {
   REQUIRE(edge_holes > 20);
 }
 
-TEST_CASE("simulated_camera: exposure changes and motion blur do what they say") {
+TEST_CASE("simulated_camera: exposure changes and motion blur have the stated effect") {
   const auto mean = [](const SimulatedCamera::Frame& f) {
     double sum = 0;
     for (const std::uint8_t p : f.gray.pixels()) sum += p;

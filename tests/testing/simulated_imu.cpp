@@ -9,15 +9,15 @@
 using namespace plumbline;
 using namespace plumbline::testing;
 
-TEST_CASE("simulated_imu: integrating exact readings reproduces the motion") {
+TEST_CASE("simulated_imu: integrating exact measurements reproduces the motion") {
   for (const char* scene : {"room", "corridor"}) {
     const Trajectory trajectory = *Trajectory::for_scene(scene, 4);
     SimulatedImu imu(ImuQuality::perfect(1000), 4);
-    SimulatedImu::Reading last = imu.next(trajectory);
+    SimulatedImu::Measurement last = imu.next(trajectory);
     SO3<double> R = last.motion.T_world_body.rotation();
     Vec<double, 3> p = last.motion.T_world_body.p(), v = last.motion.v_world_body;
     while (last.t < 10) {  // midpoint rule
-      const SimulatedImu::Reading next = imu.next(trajectory);
+      const SimulatedImu::Measurement next = imu.next(trajectory);
       const double dt = next.t - last.t;
       const SO3<double> R_next = plus(R, Vec<double, 3>(dt / 2 * (last.gyro + next.gyro)));
       const Vec<double, 3> a = 0.5 * (R * last.accel + R_next * next.accel) + MotionState::gravity();
@@ -39,9 +39,9 @@ TEST_CASE("simulated_imu: noise and bias walk have the stated densities") {
   SimulatedImu imu(quality, 5);
   double gyro2 = 0, accel2 = 0, gyro_step2 = 0, accel_step2 = 0;
   constexpr int count = 20000;
-  SimulatedImu::Reading last = imu.next(trajectory);
+  SimulatedImu::Measurement last = imu.next(trajectory);
   for (int i = 0; i < count; ++i) {
-    const SimulatedImu::Reading r = imu.next(trajectory);
+    const SimulatedImu::Measurement r = imu.next(trajectory);
     gyro2 += (r.gyro - r.gyro_bias - r.motion.w_body).squaredNorm() / 3;
     accel2 += (r.accel - r.accel_bias - r.motion.specific_force()).squaredNorm() / 3;
     gyro_step2 += (r.gyro_bias - last.gyro_bias).squaredNorm() / 3;
@@ -54,7 +54,7 @@ TEST_CASE("simulated_imu: noise and bias walk have the stated densities") {
   REQUIRE(std::sqrt(accel_step2 / count) == Approx(3e-2 / 10).epsilon(0.02));
 }
 
-TEST_CASE("simulated_imu: same seed, same readings; time stamps are exact") {
+TEST_CASE("simulated_imu: same seed, same measurements; time stamps are exact") {
   const Trajectory trajectory = *Trajectory::for_scene("room");
   SimulatedImu a({}, 9), b({}, 9), c({}, 10);
   bool differs = false;

@@ -47,7 +47,7 @@ TEST_CASE("simulated_points: without noise landmarks and observations are exact"
   }
 }
 
-TEST_CASE("simulated_points: noise has the sigmas that the observations claim, the first pixel has none") {
+TEST_CASE("simulated_points: noise has the sigmas of the observations, the first pixel has none") {
   const testing::SimulatedPoints points = cloud(400);
   Store store{{}};
   testing::Gaussian noise(2);

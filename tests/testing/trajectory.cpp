@@ -47,7 +47,7 @@ TEST_CASE("trajectory: shaken by hand from the first instant on, in free space")
   }
 }
 
-TEST_CASE("trajectory: stands still for a second, then moves like a camera in the hand") {
+TEST_CASE("trajectory: is stationary for a second, then moves like a hand-held camera") {
   for (const std::string_view scene : testing::scene_names) {
     for (const std::uint64_t seed : {1, 2, 3}) {
       const Trajectory trajectory = *Trajectory::for_scene(scene, seed);

@@ -84,9 +84,9 @@ TEST_CASE("alignment_patch: equations are those of its rows, one by one") {
 TEST_CASE("alignment_patch: the gradient is that of the residual, of the previous or of the current image") {
   const Smooth previous, current(0.1);
   const Vec<float, 2> at(30.2f, 31.6f);
-  const auto sum_of = [&](const Vec<float, 2>& centre) {
+  const auto sum_of = [&](const Vec<float, 2>& center) {
     Patch<4> I;
-    interpolate_patch<4>(current.view(), centre, I);
+    interpolate_patch<4>(current.view(), center, I);
     return I.sum();
   };
   AlignmentPatch patch;

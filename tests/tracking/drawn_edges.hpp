@@ -15,11 +15,11 @@ namespace plumbline::testing {
 struct Quadrilateral {
   std::array<Vec<float, 2>, 4> corner;
 
-  static Quadrilateral rectangle(const Vec<float, 2>& centre, float width, float height, float angle_rad) {
+  static Quadrilateral rectangle(const Vec<float, 2>& center, float width, float height, float angle_rad) {
     const Vec<float, 2> u(0.5f * width * std::cos(angle_rad), 0.5f * width * std::sin(angle_rad));
     const Vec<float, 2> v(-0.5f * height * std::sin(angle_rad), 0.5f * height * std::cos(angle_rad));
-    return {{Vec<float, 2>(centre - u - v), Vec<float, 2>(centre + u - v), Vec<float, 2>(centre + u + v),
-             Vec<float, 2>(centre - u + v)}};
+    return {{Vec<float, 2>(center - u - v), Vec<float, 2>(center + u - v), Vec<float, 2>(center + u + v),
+             Vec<float, 2>(center - u + v)}};
   }
   /// Edge k; the bright inside is on the side of its normal.
   LineSegment edge(std::size_t k) const { return {corner[k], corner[(k + 1) % 4], 0}; }
@@ -38,15 +38,15 @@ inline void for_each_pixel(cv::Mat& image, const Quadrilateral& shape, auto&& pa
   for (int y = 0; y < image.rows; ++y) {
     for (int x = 0; x < image.cols; ++x) {
       int inside = 0;
-      const Vec<float, 2> centre(static_cast<float>(x), static_cast<float>(y));
+      const Vec<float, 2> center(static_cast<float>(x), static_cast<float>(y));
       float nearest = 2;  // pixels far from all edges need one sample
-      for (std::size_t k = 0; k < 4; ++k) nearest = std::min(nearest, std::abs(shape.edge(k).distance(centre)));
+      for (std::size_t k = 0; k < 4; ++k) nearest = std::min(nearest, std::abs(shape.edge(k).distance(center)));
       if (nearest >= 2) {
-        inside = samples * samples * shape.contains(centre);
+        inside = samples * samples * shape.contains(center);
       } else {
         for (int s = 0; s < samples * samples; ++s) {
           const Vec<float, 2> offset(static_cast<float>(s % samples), static_cast<float>(s / samples));
-          inside += shape.contains(centre + (offset / samples).array().matrix() -
+          inside += shape.contains(center + (offset / samples).array().matrix() -
                                    Vec<float, 2>::Constant(0.5f - 0.5f / samples));
         }
       }

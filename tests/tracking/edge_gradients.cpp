@@ -19,7 +19,7 @@ TEST_CASE("edge_gradients: the same numbers as the map's, border and outside inc
   const cv::Mat whole = testing::with_noise(testing::textured_image(), 20.0, 3);
   const auto map = std::make_unique<Map>();
   for (const cv::Rect& part : {cv::Rect(0, 0, 640, 480), cv::Rect(5, 7, 301, 111), cv::Rect(1, 1, 7, 7)}) {
-    const cv::Mat copy = whole(part).clone();  // no pixel beyond the image may be read: a sanitizer tells
+    const cv::Mat copy = whole(part).clone();  // no pixel beyond the image may be read: a sanitizer checks it
     const ImageView<const std::uint8_t> image = opencv::view<std::uint8_t>(copy);
     REQUIRE(map->compute(image, 0));
     const EdgeGradients gradients(image);

@@ -144,7 +144,7 @@ TEMPLATE_TEST_CASE("epipolar search: finds corners whose range is wrong by a hal
 TEST_CASE("epipolar search: where the image shows it elsewhere than the middle of the frame") {
   const Pinhole<double> camera{230, 230, 159.5, 119.5};
   const Room<Pinhole<double>> room(camera, camera);
-  // What is searched for is shifted, and the shift is told: the same as nothing at all.
+  // The patch is shifted, and the shift is given: the same as no shift.
   int both = 0;
   for (std::size_t i = 0; i < room.corners.size(); ++i) {
     auto corner = room.corners[i];

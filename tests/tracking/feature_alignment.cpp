@@ -66,7 +66,7 @@ TEST_CASE("feature alignment: sub-pixel under known affine warps with gain, bias
   std::vector<double> all;
   for (const cv::Mat& image : images) {
     for (const auto& [degrees, scale] : {std::pair(5.0f, 1.1f), std::pair(-30.0f, 0.9f), std::pair(90.0f, 1.0f)}) {
-      const AffineMotion motion = testing::about_centre(image, degrees, scale, Vec2f(3.3f, -2.2f));
+      const AffineMotion motion = testing::about_center(image, degrees, scale, Vec2f(3.3f, -2.2f));
       const Aligned result = align_corners(image, motion, 0.85, 12.0, 1.0, 1.5f);
       REQUIRE(result.tried > 40);
       INFO(result.errors.size() << " of " << result.tried << ", median " << testing::quantile(result.errors, 0.5));
@@ -82,7 +82,7 @@ TEST_CASE("feature alignment: sub-pixel under known affine warps with gain, bias
 
 TEST_CASE("feature alignment: magnified features are searched on a coarser level") {
   const cv::Mat image = testing::textured_image();
-  const AffineMotion motion = testing::about_centre(image, 10.0f, 2.5f, Vec2f(1, 1));
+  const AffineMotion motion = testing::about_center(image, 10.0f, 2.5f, Vec2f(1, 1));
   REQUIRE(search_level(motion.A, Pyr::levels - 1) == 1);
   const Aligned result = align_corners(image, motion, 1.0, 0.0, 1.0, 2.0f);
   REQUIRE(result.tried > 10);
@@ -92,7 +92,7 @@ TEST_CASE("feature alignment: magnified features are searched on a coarser level
 
 TEST_CASE("feature alignment: a coarse start reaches farther") {
   const cv::Mat image = testing::textured_image();
-  const AffineMotion motion = testing::about_centre(image, 5.0f, 1.0f, Vec2f(1, 1));
+  const AffineMotion motion = testing::about_center(image, 5.0f, 1.0f, Vec2f(1, 1));
   AlignmentOptions coarse;
   coarse.coarse_start = true;
   const Aligned near = align_corners(image, motion, 1.0, 0.0, 1.0, 6.0f);
@@ -138,7 +138,7 @@ TEST_CASE("feature alignment: an edge moves along its normal alone") {
   });
   cv::Mat image;
   edge.convertTo(image, CV_8U);
-  const AffineMotion motion = testing::about_centre(image, 20.0f, 1.2f, Vec2f(2.4f, 1.7f));
+  const AffineMotion motion = testing::about_center(image, 20.0f, 1.2f, Vec2f(2.4f, 1.7f));
   const auto reference = std::make_unique<Pyr>(), current = std::make_unique<Pyr>();
   REQUIRE(reference->build(opencv::view<std::uint8_t>(image)));
   const cv::Mat moved = testing::with_noise(testing::warped(image, motion, 1.0, 10.0), 1.0, 3);

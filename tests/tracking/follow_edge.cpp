@@ -33,7 +33,7 @@ TEST_CASE("follow_edge: from a short piece with a wrong angle to both ends") {
   const Scene scene;
   const LineSegment edge = scene.shape.edge(0);
   for (const float wrong : {-0.05f, 0.0f, 0.05f}) {  // 3 degrees: 4 px at the ends
-    const Vec2f origin = edge.centre(), d = (edge.direction() + wrong * edge.normal()).normalized();
+    const Vec2f origin = edge.center(), d = (edge.direction() + wrong * edge.normal()).normalized();
     FittedLine line{Vec2f::Zero(), d, 0};
     LineMoments<float> moments;
     for (int k = -8; k <= 8; ++k) moments.add(static_cast<float>(k) * d.x(), static_cast<float>(k) * d.y());
@@ -58,8 +58,8 @@ TEST_CASE("follow_edge: no farther than asked, and nowhere without an edge or ag
     follow_edge(*scene.edges, origin, FollowOptions{1, 1.2f, 4, max_steps}, 1, line, moments, tip);
     return tip.norm();
   };
-  REQUIRE(followed(edge.centre(), edge.direction(), 20) == Approx(20).margin(0.5));
-  REQUIRE(followed(edge.centre(), -edge.direction(), 20) == 0);
-  REQUIRE(followed(edge.centre() + 20 * edge.normal(), edge.direction(), 20) == 0);
+  REQUIRE(followed(edge.center(), edge.direction(), 20) == Approx(20).margin(0.5));
+  REQUIRE(followed(edge.center(), -edge.direction(), 20) == 0);
+  REQUIRE(followed(edge.center() + 20 * edge.normal(), edge.direction(), 20) == 0);
   REQUIRE(followed(Vec2f(318, 120), Vec2f::UnitX(), 50) == 0);  // into the border of the image
 }

@@ -151,7 +151,7 @@ TEST_CASE("image_alignment: nothing in common, too few samples, numbers that are
   CHECK_FALSE(alignment.align(*first, *second).valid);
 }
 
-TEMPLATE_TEST_CASE("image_alignment: what is believed holds what the images leave open", "", float, double) {
+TEMPLATE_TEST_CASE("image_alignment: the prior determines what the images do not", "", float, double) {
   using S = TestType;
   const auto first = room().shoot(room().trajectory.at(3).T_world_body);
   const auto second = room().shoot(room().trajectory.at(3.05).T_world_body);

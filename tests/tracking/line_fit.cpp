@@ -21,8 +21,9 @@ TEST_CASE("line_fit: mean, direction and variance are those of the eigenvectors"
       moments.add(static_cast<float>(points(0, k)), static_cast<float>(points(1, k)));
     }
     const Vec<double, 2> mean = points.rowwise().mean();
-    const Mat<double, 2, Eigen::Dynamic> centred = points.colwise() - mean;
-    const Eigen::SelfAdjointEigenSolver<Mat<double, 2, 2>> eigen(Mat<double, 2, 2>(centred * centred.transpose() / 30));
+    const Mat<double, 2, Eigen::Dynamic> centered = points.colwise() - mean;
+    const Eigen::SelfAdjointEigenSolver<Mat<double, 2, 2>> eigen(
+        Mat<double, 2, 2>(centered * centered.transpose() / 30));
     const FittedLine line = moments.line();
     REQUIRE((line.mean.cast<double>() - mean).norm() < 1e-4);
     REQUIRE(line.variance == Approx(eigen.eigenvalues()[0]).epsilon(1e-2).margin(1e-4));

@@ -10,7 +10,7 @@ TEST_CASE("line_segment: the normal is a quarter turn from the direction, x to y
   REQUIRE(s.length() == Approx(5));
   REQUIRE((s.direction() - Vec2f(0.6f, 0.8f)).norm() < 1e-6f);
   REQUIRE((s.normal() - Vec2f(-0.8f, 0.6f)).norm() < 1e-6f);
-  REQUIRE((s.centre() - Vec2f(2.5f, 4)).norm() < 1e-6f);
+  REQUIRE((s.center() - Vec2f(2.5f, 4)).norm() < 1e-6f);
   REQUIRE(s.distance(Vec2f(1, 2) + 3 * s.normal() + 7 * s.direction()) == Approx(3));
 }
 
@@ -44,7 +44,7 @@ TEST_CASE("line_segment: merging keeps the line and the whole extent") {
   const LineSegment c{p + 0.9f * n, p + 20 * d + 0.9f * n, 8};
   const LineSegment beside = merged(c, {p, p + 40 * d, 8});
   REQUIRE(std::abs(beside.direction().dot(n)) < 0.04f);
-  REQUIRE(n.dot(beside.centre() - p) == Approx(0.3f).margin(0.1f));
+  REQUIRE(n.dot(beside.center() - p) == Approx(0.3f).margin(0.1f));
   REQUIRE(merged({a.end, a.start, 1}, {b.end, b.start, 1}).direction().dot(d) == Approx(-1));
 }
 

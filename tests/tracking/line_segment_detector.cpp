@@ -50,7 +50,7 @@ Errors errors_of_rectangles(float contrast, double noise) {
         if (testing::angle_between(s, truth) > 0.1f || off > 3) continue;
         ++matches;
         errors.angle_deg = std::max(errors.angle_deg, testing::angle_between(s, truth) * 57.3);
-        errors.distance_px = std::max(errors.distance_px, double(std::abs(truth.distance(s.centre()))));
+        errors.distance_px = std::max(errors.distance_px, double(std::abs(truth.distance(s.center()))));
         errors.end_px =
             std::max({errors.end_px, double((s.start - truth.start).norm()), double((s.end - truth.end).norm())});
         REQUIRE(s.gradient > 0);
@@ -104,10 +104,11 @@ TEST_CASE("line_segment_detector: circles give only chords as short as the toler
   for (const LineSegment& s : detect(image)) REQUIRE(s.length() < 40);  // sagitta of 1.2 + 1.2 px: 34 px
 }
 
-TEST_CASE("line_segment_detector: the edges of a recorded image are found again after a motion") {
+TEST_CASE("line_segment_detector: the edges of a recorded image are found again after a motion", "[data]") {
+  if (skip_without(testing::recordings)) return;
   for (const cv::Mat& recorded : testing::recorded_images()) {
     const Segments before = detect(recorded);
-    const testing::AffineMotion motion = testing::about_centre(recorded, 4, 1.02f, {3.3f, -2.2f});
+    const testing::AffineMotion motion = testing::about_center(recorded, 4, 1.02f, {3.3f, -2.2f});
     const cv::Mat moved = testing::with_noise(testing::warped(recorded, motion, 0.95, 4), 2.0, 5);
     const Segments after = detect(moved);
     int expected = 0, found = 0;
@@ -124,7 +125,7 @@ TEST_CASE("line_segment_detector: the edges of a recorded image are found again 
                     to = truth.direction().dot(t.end - truth.start);
         const float overlap = std::min(to, truth.length()) - std::max(from, 0.0f);
         if (testing::angle_between(t, truth) < 0.03f && overlap > 0.6f * truth.length() &&
-            std::abs(truth.distance(t.centre())) < 1.0f) {
+            std::abs(truth.distance(t.center())) < 1.0f) {
           ++found;
           break;
         }

@@ -44,7 +44,8 @@ float covered(const LineSegment& truth, const LineSegment* begin, const LineSegm
 
 }  // namespace
 
-TEST_CASE("line_segment_detector: finds what LSD finds") {
+TEST_CASE("line_segment_detector: finds what LSD finds", "[data]") {
+  if (skip_without(testing::recordings)) return;
   const auto edges = std::make_unique<EdgeMap<1300 * 480>>();
   const auto detector = std::make_unique<LineSegmentDetector<800>>();
   const auto found = std::make_unique<FixedVector<LineSegment, 800>>();

@@ -74,7 +74,7 @@ TEST_CASE("line_tracking: known motions, without a prediction and with one that 
                                                    {-5.0f, Vec2f(-8, 2), false},
                                                    {20.0f, Vec2f(35, -20), true},
                                                    {-35.0f, Vec2f(-30, 25), true}}) {
-    const testing::AffineMotion motion = testing::about_centre(before.image, degrees, 1.03f, shift);
+    const testing::AffineMotion motion = testing::about_center(before.image, degrees, 1.03f, shift);
     Quadrilateral shape_after = shape;
     for (Vec2f& corner : shape_after.corner) corner = motion(corner);
     const Frame after(drawing({{shape_after, 55}}, 2));
@@ -83,7 +83,7 @@ TEST_CASE("line_tracking: known motions, without a prediction and with one that 
       segment.gradient = 20;
       LineSegment guess = segment;
       if (with_guess) {  // 5 px and 3 degrees off
-        guess = moved(segment, testing::about_centre(before.image, degrees + 3, 1.0f, shift + Vec2f(3, -4)));
+        guess = moved(segment, testing::about_center(before.image, degrees + 3, 1.0f, shift + Vec2f(3, -4)));
       }
       const TrackedLine tracked = track(before, after, segment, guess);
       CAPTURE(degrees, k, tracked.support, tracked.rms_px, tracked.segment.length());
@@ -103,9 +103,9 @@ TEST_CASE("line_tracking: of parallel edges the predicted one, never one of the 
   // bars of 9 px every 18 px
   Shapes bars, shifted;
   for (int i = -4; i <= 4; ++i) {
-    const Vec2f centre(160 + 18 * static_cast<float>(i), 120);
-    bars.push_back({Quadrilateral::rectangle(centre, 9, 150, 0), 60});
-    shifted.push_back({Quadrilateral::rectangle(centre + Vec2f(5, 3), 9, 150, 0), 60});
+    const Vec2f center(160 + 18 * static_cast<float>(i), 120);
+    bars.push_back({Quadrilateral::rectangle(center, 9, 150, 0), 60});
+    shifted.push_back({Quadrilateral::rectangle(center + Vec2f(5, 3), 9, 150, 0), 60});
   }
   const Frame before(drawing(bars, 1)), after(drawing(shifted, 2));
   for (const std::size_t bar : {2u, 4u, 6u}) {
@@ -126,7 +126,7 @@ TEST_CASE("line_tracking: of parallel edges the predicted one, never one of the 
   REQUIRE_FALSE(track(bright, dark, edge, edge).valid);
 }
 
-TEST_CASE("line_tracking: an occlusion cuts the segment, or splits it and the longer part goes on; then it grows") {
+TEST_CASE("line_tracking: an occlusion cuts the segment, or splits it and the longer part is tracked; then it grows") {
   const Quadrilateral shape = Quadrilateral::rectangle(Vec2f(160, 120), 200, 90, 0);
   const Quadrilateral at_end = Quadrilateral::rectangle(Vec2f(240, 75), 60, 60, 0.4f);
   const Quadrilateral inside = Quadrilateral::rectangle(Vec2f(190, 75), 40, 50, 0.4f);
@@ -160,7 +160,7 @@ TEST_CASE("line_tracking: a long edge is sampled coarsely and still cut and spli
   cv::Mat drawn(480, 640, CV_32F, cv::Scalar(90)), hidden;
   testing::draw(drawn, shape, 60);
   hidden = drawn.clone();
-  testing::cover(hidden, Quadrilateral::rectangle(shape.edge(0).centre() + Vec2f(60, 0), 110, 60, 0.4f), 20);
+  testing::cover(hidden, Quadrilateral::rectangle(shape.edge(0).center() + Vec2f(60, 0), 110, 60, 0.4f), 20);
   drawn.convertTo(drawn, CV_8U);
   hidden.convertTo(hidden, CV_8U);
   const Frame before(testing::with_noise(drawn, 2, 1)), after(testing::with_noise(drawn, 2, 2)),
@@ -215,11 +215,12 @@ TEST_CASE("line_tracking: overlapping tracks on one edge are duplicates of the f
   REQUIRE_FALSE(duplicate[4]);
 }
 
-TEST_CASE("line_tracking: recorded images turned and moved by tens of pixels, given a prediction some pixels off") {
+TEST_CASE("line_tracking: recorded images moved by tens of pixels, predicted within some pixels", "[data]") {
+  if (skip_without(PLUMBLINE_TEST_DATA)) return;
   for (const cv::Mat& recorded : testing::recorded_images()) {
     Frame before(recorded);
-    const testing::AffineMotion motion = testing::about_centre(recorded, 12, 1.03f, {32, -21});
-    const testing::AffineMotion predicted = testing::about_centre(recorded, 11, 1.0f, {28, -18});
+    const testing::AffineMotion motion = testing::about_center(recorded, 12, 1.03f, {32, -21});
+    const testing::AffineMotion predicted = testing::about_center(recorded, 11, 1.0f, {28, -18});
     const Frame after(testing::with_noise(testing::warped(recorded, motion, 0.92, 5), 2.0, 5));
     int expected = 0, found = 0;
     std::vector<double> errors;
@@ -262,7 +263,7 @@ TEST_CASE("line_tracking: a rendered sequence, each frame from the one before") 
     // edges within one surface: the same depth on both sides, and affine inverse depth along it
     const Vec2f a = s.start + 3 * s.direction(), b = s.end - 3 * s.direction(), n = 3 * s.normal();
     bool flat = true;
-    for (const Vec2f& at : {a, b, s.centre()}) {
+    for (const Vec2f& at : {a, b, s.center()}) {
       const double z0 = depth_at(at - n), z1 = depth_at(at + n), z = depth_at(at);
       flat = flat && z0 > 0 && z1 > 0 && z > 0 && std::abs(z0 - z1) < 0.05 * z && std::abs(z0 - z) < 0.05 * z;
     }
@@ -312,9 +313,9 @@ TEST_CASE("line_tracking: a rendered sequence, each frame from the one before") 
   REQUIRE(testing::quantile(errors, 0.5) < 0.4);
 }
 
-TEST_CASE("line_tracking: recorded pairs, there and back") {
+TEST_CASE("line_tracking: recorded pairs, there and back", "[data]") {
   const std::filesystem::path folder = std::filesystem::path(PLUMBLINE_TEST_DATA) / "euroc_mh01_flight/mav0/cam0/data";
-  if (!std::filesystem::is_directory(folder)) return;
+  if (skip_without(folder)) return;
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path().string());
   std::sort(files.begin(), files.end());

@@ -89,9 +89,10 @@ TEST_CASE("optical flow: a guess wrong by 25 px converges") {
   }
 }
 
-TEST_CASE("optical flow: recorded images under rotation, scale, brightness and noise") {
+TEST_CASE("optical flow: recorded images under rotation, scale, brightness and noise", "[data]") {
+  if (skip_without(testing::recordings)) return;
   for (const cv::Mat& image : testing::recorded_images()) {
-    const AffineMotion motion = testing::about_centre(image, 1.0f, 1.01f, Vec2f(5.3f, -3.7f));
+    const AffineMotion motion = testing::about_center(image, 1.0f, 1.01f, Vec2f(5.3f, -3.7f));
     const Pair pair(image, motion, 0.9, 10.0, 1.0);
     const std::vector<Vec2f> points = pair.visible(12);
     REQUIRE(points.size() > 60);
@@ -123,7 +124,7 @@ TEST_CASE("optical flow: points that have been covered are not tracked") {
   REQUIRE(accepted <= covered / 5);  // some of the new texture looks like the old
 }
 
-TEST_CASE("optical flow: the way back must lead home") {
+TEST_CASE("optical flow: the forward-backward check") {
   const cv::Mat image = testing::textured_image();
   AffineMotion motion;
   motion.t = Vec2f(1.3f, 0.4f);

@@ -13,18 +13,15 @@
 using namespace plumbline;
 using plumbline::testing::Vec2f;
 
-TEST_CASE("optical flow: not worse than OpenCV's on recorded images") {
+TEST_CASE("optical flow: not worse than OpenCV's on recorded images", "[data]") {
+  if (skip_without(testing::recordings)) return;
   const std::vector<cv::Mat> images = testing::recorded_images();
-  if (images.empty()) {
-    WARN("no recordings beside the project: nothing compared");
-    return;
-  }
   using Pyr = Pyramid<4, 1300 * 480>;
   const auto previous = std::make_unique<Pyr>(), current = std::make_unique<Pyr>();
   std::vector<double> all_theirs, all_ours;
   for (const cv::Mat& image : images) {
     for (const float degrees : {0.0f, 2.0f}) {
-      const testing::AffineMotion motion = testing::about_centre(image, degrees, 1.0f, Vec2f(6.4f, -4.3f));
+      const testing::AffineMotion motion = testing::about_center(image, degrees, 1.0f, Vec2f(6.4f, -4.3f));
       const cv::Mat before = testing::with_noise(image, 1.5, 1);
       const cv::Mat after = testing::with_noise(testing::warped(image, motion), 1.5, 2);
       std::vector<cv::Point2f> corners, there, back;

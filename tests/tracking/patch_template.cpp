@@ -99,7 +99,7 @@ TEST_CASE("patch template: along a direction only that component moves") {
   REQUIRE(std::abs(across.dot(match.uv - start)) < 1e-4f);
 }
 
-TEST_CASE("patch template: gives up out of bounds, on NaN and without convergence") {
+TEST_CASE("patch template: fails out of bounds, on NaN and without convergence") {
   const SmoothImage reference(0, 0, 1, 0);
   const PatchTemplate<8> patch = template_at<8>(reference.view(), Vec<float, 2>(45, 50));
   REQUIRE_FALSE(patch.search(reference.view(), Vec<float, 2>(-1, 50), PatchSearch{}).valid);

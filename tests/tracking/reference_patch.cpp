@@ -36,10 +36,10 @@ TEST_CASE("reference patch: holds the pixels around the feature on each level") 
     REQUIRE(patch.levels() == ReferencePatch::max_levels);
     for (int l = 0; l < patch.levels(); ++l) {
       const ImageView<const std::uint8_t> image = pyramid->level(l);
-      const Vec<float, 2> shift = to_level(uv, l) - patch.centre(l);  // of the copy in the image
+      const Vec<float, 2> shift = to_level(uv, l) - patch.center(l);  // of the copy in the image
       const int x0 = int(std::lround(shift.x())), y0 = int(std::lround(shift.y()));
       REQUIRE((shift - Vec<float, 2>(float(x0), float(y0))).norm() < 1e-4f);
-      REQUIRE((patch.centre(l).array() - 0.5f * (ReferencePatch::size - 1)).abs().maxCoeff() <= 0.5f + 1e-4f);
+      REQUIRE((patch.center(l).array() - 0.5f * (ReferencePatch::size - 1)).abs().maxCoeff() <= 0.5f + 1e-4f);
       for (int y = 0; y < ReferencePatch::size; ++y) {
         for (int x = 0; x < ReferencePatch::size; ++x) {
           const int u = std::clamp(x0 + x, 0, image.width - 1), v = std::clamp(y0 + y, 0, image.height - 1);

@@ -66,7 +66,7 @@ struct Views {
 
 }  // namespace
 
-TEST_CASE("rotation_alignment: finds a turn of forty pixels, and says how well it fits") {
+TEST_CASE("rotation_alignment: finds a rotation of forty pixels, and reports its residual") {
   const SO3<double> R_cur_prev = SO3<double>::exp({0.03, 0.2, -0.02});
   const Vec<double, 3> still = Vec<double, 3>::Zero();
   const Views views(SE3<double>(R_cur_prev, still));

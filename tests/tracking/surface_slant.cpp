@@ -125,7 +125,7 @@ TEST_CASE("surface slant: the rows are the derivative of the warped template") {
   }
 }
 
-TEST_CASE("surface slant: found out by a few views, and patches are found where they are") {
+TEST_CASE("surface slant: estimated from a few views, and patches are aligned with it") {
   for (const Vec<double, 2>& tilt : {Vec<double, 2>(0.9, 0), Vec<double, 2>(-0.4, 0.7), Vec<double, 2>(0, 0)}) {
     const Scene scene(tilt);
     const auto corners = corners_of(scene);
@@ -163,7 +163,7 @@ TEST_CASE("surface slant: found out by a few views, and patches are found where 
   }
 }
 
-TEST_CASE("surface slant: nothing is learnt from nothing") {
+TEST_CASE("surface slant: no information, no change") {
   const Scene scene({0.8, 0});
   const Vec2f uv = corners_of(scene)[0].uv;
   ReferencePatch patch;

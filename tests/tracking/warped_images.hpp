@@ -26,14 +26,14 @@ struct AffineMotion {
   Vec2f operator()(const Vec2f& uv) const { return A * uv + t; }
 };
 
-/// Rotation and scale about the image centre, then a shift.
-inline AffineMotion about_centre(const cv::Mat& image, float degrees, float scale, const Vec2f& shift) {
+/// Rotation and scale about the image center, then a shift.
+inline AffineMotion about_center(const cv::Mat& image, float degrees, float scale, const Vec2f& shift) {
   const float angle = degrees * 3.14159265f / 180.0f;
   AffineMotion motion;
   motion.A << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
   motion.A *= scale;
-  const Vec2f centre(0.5f * static_cast<float>(image.cols - 1), 0.5f * static_cast<float>(image.rows - 1));
-  motion.t = centre - motion.A * centre + shift;
+  const Vec2f center(0.5f * static_cast<float>(image.cols - 1), 0.5f * static_cast<float>(image.rows - 1));
+  motion.t = center - motion.A * center + shift;
   return motion;
 }
 
@@ -77,12 +77,14 @@ inline cv::Mat warped(const cv::Mat& image, const AffineMotion& motion, double g
   return scaled;
 }
 
+inline const std::string recordings = PLUMBLINE_TEST_DATA;
+
 /// A few images of every recording that is there.
 inline std::vector<cv::Mat> recorded_images() {
   std::vector<cv::Mat> images;
   for (const char* folder : {"euroc_mh01_flight/mav0/cam0/data", "tum_fr1_rpy_first12s/rgb", "kitti00_first20s/image_0",
                              "rendered_office_mono/mav0/cam0/data", "icl_office_kt0_3s/rgb"}) {
-    const std::filesystem::path path = std::filesystem::path(PLUMBLINE_TEST_DATA) / folder;
+    const std::filesystem::path path = std::filesystem::path(recordings) / folder;
     if (!std::filesystem::is_directory(path)) continue;
     std::vector<std::string> files;
     for (const auto& entry : std::filesystem::directory_iterator(path)) files.push_back(entry.path().string());

@@ -1,4 +1,4 @@
-/// Medians as bars, each repeat as a dot, the spread as a line; the name and what the figure is worth above each bar.
+/// Medians as bars, each repeat as a dot, the spread as a line; the name and the terms of the figure above each bar.
 import uPlot from 'uplot';
 import { axis_style, font, plot_in, tick_texts } from './chart.js';
 import { css_color } from './theme.js';

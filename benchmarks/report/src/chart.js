@@ -1,4 +1,4 @@
-/// What all charts have in common: colours of the page, the size of their place, curves over time with one time axis.
+/// What all charts have in common: colors of the page, the size of their place, curves over time with one time axis.
 import uPlot from 'uplot';
 import { css_color } from './theme.js';
 import { is_number, quantile, text_of, median, largest } from './figures.js';

@@ -3,7 +3,7 @@ import { largest, median, smallest, is_number } from './figures.js';
 
 export const health_names = ['initializing', 'tracking', 'degraded', 'lost'];
 
-/// Of the processor where it is known: what runs beside it stretches that less.
+/// Processor time where it is recorded: other processes affect it less.
 export const time_of = run => run.time_ms?.cpu_median ?? run.time_ms?.median;
 
 const distinct = values => [...new Set(values)];
@@ -50,7 +50,7 @@ class Group {
     return [...counts].sort((a, b) => b[1] - a[1]);
   }
 
-  /// What an error is worth: "96 % of the frames, se3, causal".
+  /// The terms of an error: "96 % of the frames, se3, causal".
   get terms() {
     if (!this.ok.length) return '';
     return [is_number(this.figures.coverage) ? `${Math.floor(100 * this.figures.coverage + 1e-6)} % covered` : 'coverage unknown',

@@ -100,7 +100,7 @@ class DebugPage {
     }));
     if (data.has_imu)
       nodes.push(plot('Velocity', 'm/s', axes('velocity')), plot('Gyroscope bias', 'rad/s', axes('bias_gyro')), plot('Its sigma', 'rad/s', axes('sigma_bias_gyro')),
-        plot('Accelerometer bias', 'm/s²', axes('bias_accel')), plot('Its sigma', 'm/s²', axes('sigma_bias_accel')), plot('Part of the time without a live IMU reading', '', () => [curve('missing', 'imu_missing', '--lost')]));
+        plot('Accelerometer bias', 'm/s²', axes('bias_accel')), plot('Its sigma', 'm/s²', axes('sigma_bias_accel')), plot('Fraction of the time without valid IMU samples', '', () => [curve('missing', 'imu_missing', '--lost')]));
     nodes.push(plot('Time of a frame', 'ms', () => stage_curves({ t, ...columns })));
     return [...nodes, this.above ?? []];
   }

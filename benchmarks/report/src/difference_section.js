@@ -91,7 +91,7 @@ export class DifferenceSection {
       }))));
   }
 
-  /// Runs of both that began at the same frame.
+  /// Runs of both with the same first frame.
   paired() {
     const [a, b] = this.groups();
     if (!a || !b) return [];

@@ -1,4 +1,4 @@
-/// Numbers as text, and what many of them come to. What does not exist is null.
+/// Numbers as text, and their statistics. A missing number is null.
 export const dash = '–';
 export const is_number = value => typeof value === 'number' && Number.isFinite(value);
 

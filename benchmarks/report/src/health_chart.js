@@ -1,4 +1,4 @@
-/// Health over time: one lane for each run, with its name above it. What is worse is taller as well as of another colour.
+/// Health over time: one lane for each run, with its name above it. What is worse is taller as well as of another color.
 import { axis_style, font, health_colors, plot_in, spans_of, tick_texts } from './chart.js';
 import { css_color } from './theme.js';
 import { element } from './dom.js';

@@ -1,4 +1,4 @@
-/// Draws what is in view, and the rest when a reader comes to it. `draw` returns what takes the drawing down again.
+/// Draws what is in view, and the remainder when it is scrolled into view. `draw` returns the function that removes it.
 export class Lazy {
   constructor(node, draw) {
     this.draw = draw;

@@ -126,7 +126,7 @@ export class ResultsTable {
     return row;
   }
 
-  /// Which configurations are drawn, and in which colour.
+  /// Which configurations are drawn, and in which color.
   mark() {
     for (const row of this.body.children) {
       const style = this.store.style_of(row.group.configuration), box = row.querySelector('input'), swatch = row.querySelector('.swatch');

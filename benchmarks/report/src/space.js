@@ -1,4 +1,4 @@
-/// Which way is up, and what is seen from there.
+/// The vertical axis, and the view from above.
 
 const names = ['x', 'y', 'z'];
 
@@ -40,7 +40,7 @@ export function round_step(size, parts) {
   return [1, 2, 5, 10].map(factor => factor * power).find(step => step >= raw);
 }
 
-/// The place at a time, null where the path has none within 0.2 s.
+/// The position at a time, null where the path has none within 0.2 s.
 export function place_at(path, t) {
   let best = -1;
   for (let i = 0; i < path.t.length; ++i)

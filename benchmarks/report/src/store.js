@@ -1,4 +1,4 @@
-/// What a reader chose: configurations with a colour each, and a data set. Who shows it subscribes.
+/// The user's choice: configurations with a color each, and a data set. Views subscribe to it.
 import { free_slot, style_of } from './palette.js';
 import { is_dark, on_theme } from './theme.js';
 

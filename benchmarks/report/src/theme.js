@@ -1,4 +1,4 @@
-/// Light or dark: as the system has it, until a reader decides. Who draws with colours asks to be told of a change.
+/// Light or dark: that of the system until the user chooses. Code that draws with colors subscribes to changes.
 import { element } from './dom.js';
 
 const key = 'plumbline-theme', modes = ['auto', 'light', 'dark'];
@@ -30,5 +30,5 @@ export function theme_button() {
   return button;
 }
 
-/// A colour of style.css.
+/// A color of style.css.
 export const css_color = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();

@@ -24,12 +24,12 @@ export async function open(browser, file, { width = 1400, height = 900, dark = f
   await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: dark ? 'dark' : 'light' }, { name: 'prefers-reduced-motion', value: 'reduce' }]);
   await page.setViewport({ width, height, deviceScaleFactor: scale, isMobile: width < 500, hasTouch: width < 500 });
   await page.goto(url);
-  await settle(page);
+  await wait_until_drawn(page);
   return page;
 }
 
-/// Until what was asked for is drawn.
-export const settle = page => page.evaluate(() => new Promise(done => {
+/// Until all requested drawings are done.
+export const wait_until_drawn = page => page.evaluate(() => new Promise(done => {
   let frames = 4;
   const next = () => (--frames ? requestAnimationFrame(next) : setTimeout(done, 30));
   requestAnimationFrame(next);
@@ -40,8 +40,8 @@ export async function scroll_through(page) {
   const height = await page.evaluate(() => document.documentElement.scrollHeight);
   for (let y = 0; y < height + 600; y += 600) {
     await page.evaluate(top => window.scrollTo(0, top), y);
-    await settle(page);
+    await wait_until_drawn(page);
   }
   await page.evaluate(() => window.scrollTo(0, 0));
-  await settle(page);
+  await wait_until_drawn(page);
 }

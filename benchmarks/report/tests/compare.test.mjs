@@ -4,7 +4,7 @@ import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, describe, test } from 'node:test';
-import { launch, launch_flat, open, scroll_through, settle } from './browser.mjs';
+import { launch, launch_flat, open, scroll_through, wait_until_drawn } from './browser.mjs';
 import { comparisons, page_with } from './fixture.mjs';
 
 const folder = mkdtempSync(join(tmpdir(), 'plumbline-report-'));
@@ -34,17 +34,17 @@ const press = async (page, selector, text) => {
   const found = await page.evaluateHandle((all, wanted) => [...document.querySelectorAll(all)].find(node => node.textContent.trim() === wanted), selector, text);
   assert.ok(found.asElement(), `no ${selector} "${text}"`);
   await found.asElement().click();
-  await settle(page);
+  await wait_until_drawn(page);
 };
 const card_of = async (page, title) => (await page.evaluateHandle(wanted => [...document.querySelectorAll('.card')].find(node => node.querySelector('h3')?.textContent === wanted), title)).asElement();
 const show = async (page, title) => {
   const card = await card_of(page, title);
   await card.evaluate(node => node.scrollIntoView({ block: 'center' }));
-  await settle(page);
+  await wait_until_drawn(page);
   return card;
 };
 const labels_of = card => card.$$eval('.u-legend .curve .u-label', all => all.map(label => label.textContent));
-/// How many colours the canvases of a card show, a measure of whether anything is drawn.
+/// How many colors the canvases of a card show, a measure of whether anything is drawn.
 const colors_in = card => card.evaluate(node => {
   const canvas = node.querySelector('canvas'), copy = document.createElement('canvas');
   copy.width = canvas.width;
@@ -172,16 +172,16 @@ describe('a usual comparison', () => {
     await press(page, '.tools button', 'Reset');
     assert.ok(await shot() === first, 'the first view does not come back');
     await (await space.$('input[type=checkbox]')).click();
-    await settle(page);
+    await wait_until_drawn(page);
     assert.ok(await shot() !== first, 'the truth is not drawn');
     await (await space.$('input[type=checkbox]')).click();
   });
 
-  test('draws the configurations whose boxes are checked, each in one colour everywhere', async () => {
+  test('draws the configurations whose boxes are checked, each in one color everywhere', async () => {
     const name = 'mono-imu/points+lines+collinear/window', box = `.list input[data-configuration="${name}"]`;
     await page.focus(box);
     await page.keyboard.press('Space');
-    await settle(page);
+    await wait_until_drawn(page);
     assert.ok((await labels_of(await show(page, 'Position error'))).includes(name));
     assert.ok(await page.$eval(box, node => document.activeElement === node), 'the box lost the focus');
     const colors = await page.evaluate(wanted => {
@@ -195,7 +195,7 @@ describe('a usual comparison', () => {
     const [r, g, b] = [1, 3, 5].map(i => parseInt(colors[0].slice(i, i + 2), 16));
     assert.equal(marker, `rgb(${r}, ${g}, ${b})`);
     await page.keyboard.press('Space');
-    await settle(page);
+    await wait_until_drawn(page);
     assert.ok(!(await labels_of(await show(page, 'Position error'))).includes(name));
   });
 
@@ -206,7 +206,7 @@ describe('a usual comparison', () => {
     await press(page, '.choice button', 'estimate');
     assert.ok(Number(await largest()) < Number(total));
     await (await card.$('select')).select('of mono/points/window');
-    await settle(page);
+    await wait_until_drawn(page);
     assert.deepEqual(await labels_of(card), ['total', 'track', 'estimate', 'map']);
     await press(page, '.choice button', 'total');
   });
@@ -214,12 +214,12 @@ describe('a usual comparison', () => {
   test('a click into a chart chooses a time in all of them', async () => {
     const card = await show(page, 'Position error'), over = await card.$('.u-over'), box = await over.boundingBox();
     await page.mouse.click(box.x + box.width / 2, box.y + 60);
-    await settle(page);
+    await wait_until_drawn(page);
     const shift = await (await show(page, 'Features tracked')).$eval('.now', node => new DOMMatrix(getComputedStyle(node).transform).e / node.parentNode.clientWidth);
     assert.ok(Math.abs(shift - 0.5) < 0.01, `${shift}`);
   });
 
-  test('goes to another data set, and says so where there is no truth', async () => {
+  test('goes to another data set, and reports a missing ground truth', async () => {
     await press(page, '.tabs button', 'sample_hand_without_truth');
     assert.equal(await page.$eval('#dataset', node => node.textContent), 'On sample_hand_without_truth');
     const card = await show(page, 'Position error');
@@ -234,9 +234,9 @@ describe('a usual comparison', () => {
   test('compares two configurations', async () => {
     const [a, b] = await page.$$('section:last-of-type .filters select');
     await a.select('mono/points/window');
-    await settle(page);
+    await wait_until_drawn(page);
     await (await page.$$('section:last-of-type .filters select'))[1].select('mono-imu/points/window');
-    await settle(page);
+    await wait_until_drawn(page);
     assert.ok(b);
     const row = name => page.$$eval('.pair tbody tr', (rows, wanted) => [...rows.find(each => each.children[0].textContent === wanted).children].slice(1).map(cell => cell.textContent), name);
     const ate = configuration => median(data.usual.runs.filter(run => run.configuration === configuration && run.dataset === 'sample_flight').map(run => run.ate.rmse));
@@ -280,7 +280,7 @@ for (const [name, size] of [['a phone', { width: 390, height: 844, dark: true }]
     await page.close();
   });
 
-test('says kindly that there is no WebGL, and draws the rest', async () => {
+test('reports missing WebGL, and draws the rest', async () => {
   const page = await open(flat, file.usual);
   assert.match(await (await show(page, 'In space')).evaluate(node => node.textContent), /no WebGL.*The view from above shows the same/);
   assert.ok(await colors_in(await show(page, 'From above')) > 8);
@@ -315,7 +315,7 @@ test('40 configurations x 8 data sets x 8 repeats do not freeze the page', async
   await show(page, 'Position error');
   for (const box of (await page.$$('.list input:not(:checked)')).slice(0, 4)) {
     const name = await box.evaluate(node => node.dataset.configuration);
-    const took = await timed(async () => { await page.click(`.list input[data-configuration="${name}"]`); await settle(page); });
+    const took = await timed(async () => { await page.click(`.list input[data-configuration="${name}"]`); await wait_until_drawn(page); });
     assert.ok(took < 5000, `${took} ms to draw one more`);
   }
   await scroll_through(page);
@@ -323,7 +323,7 @@ test('40 configurations x 8 data sets x 8 repeats do not freeze the page', async
   await page.close();
 });
 
-test('takes processor times where there are some, and says what is missing or of another machine', async () => {
+test('takes processor times where there are some, and reports what is missing or of another machine', async () => {
   const whole = comparisons.one(), other = join(folder, 'other.html');
   whole.plans = [{ id: 'a', runs: 3 }];
   whole.runs[0].time_ms.cpu_median = 1.25;

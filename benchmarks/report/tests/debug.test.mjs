@@ -4,7 +4,7 @@ import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, describe, test } from 'node:test';
-import { launch, launch_flat, open, scroll_through, settle } from './browser.mjs';
+import { launch, launch_flat, open, scroll_through, wait_until_drawn } from './browser.mjs';
 import { debug_data, page_with } from './fixture.mjs';
 
 const folder = mkdtempSync(join(tmpdir(), 'plumbline-debug-'));
@@ -36,7 +36,7 @@ describe('a run', () => {
     await scroll_through(page);
     const expected = ['In space', 'Health', 'Position error [m]', 'Points', 'Lines', 'Innovation of points, expected 1.18 and 2.15 [sigma]', 'Innovation of points [px]', 'Innovation of lines, expected 1.18 and 2.15 [sigma]',
       'Innovation of lines [px]', 'Rotation error [deg]', 'NEES, aligned at the first pose; expected 6', 'Velocity [m/s]', 'Gyroscope bias [rad/s]', 'Its sigma [rad/s]', 'Accelerometer bias [m/s²]', 'Its sigma [m/s²]',
-      'Part of the time without a live IMU reading', 'Time of a frame [ms]', 'From above'];
+      'Fraction of the time without valid IMU samples', 'Time of a frame [ms]', 'From above'];
     assert.deepEqual(await titles(page), expected);
     assert.equal((await page.$$('.card canvas')).length, expected.length);
   });
@@ -51,7 +51,7 @@ describe('a run', () => {
     assert.equal(await frame(), '100');
     const over = await page.$('.cards .card:nth-of-type(2) .u-over'), box = await over.boundingBox();
     await page.mouse.click(box.x + 0.75 * box.width, box.y + box.height / 2);
-    await settle(page);
+    await wait_until_drawn(page);
     assert.ok(Math.abs(Number(await frame()) - 0.75 * 239) < 2, await frame());
     const shifts = await page.$$eval('.now', all => all.map(node => new DOMMatrix(getComputedStyle(node).transform).e / node.parentNode.clientWidth));
     assert.ok(shifts.length >= 1 && shifts.every(shift => Math.abs(shift - 0.75) < 0.01), `${shifts}`);

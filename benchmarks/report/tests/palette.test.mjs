@@ -1,4 +1,4 @@
-// Colours differ for those who do not see red, green or blue as others do, and from the page behind them.
+// Colors differ for those who do not see red, green or blue as others do, and from the page behind them.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { dark, free_slot, light, style_of } from '../src/palette.js';
@@ -23,21 +23,21 @@ const contrast = (a, b) => (Math.max(luminance(a), luminance(b)) + 0.05) / (Math
 
 for (const [name, colors, page] of [['light', light, '#ffffff'], ['dark', dark, '#1b1821']]) {
   for (const eye of Object.keys(eyes))
-    test(`${name} colours differ, ${eye}`, () => {
+    test(`${name} colors differ, ${eye}`, () => {
       for (let i = 0; i < colors.length; ++i)
         for (let j = 0; j < i; ++j) assert.ok(difference(colors[i], colors[j], eye) > 20, `${colors[i]} and ${colors[j]}: ${difference(colors[i], colors[j], eye).toFixed(1)}`);
     });
-  test(`${name} colours stand out from the page`, () => {
+  test(`${name} colors stand out from the page`, () => {
     for (const color of colors) assert.ok(contrast(color, page) > 2, `${color}: ${contrast(color, page).toFixed(2)}`);
   });
 }
 
-test('a line beyond the colours differs by its dashes', () => {
+test('a line beyond the colors differs by its dashes', () => {
   const styles = Array.from({ length: 18 }, (_, slot) => JSON.stringify(style_of(slot, false)));
   assert.equal(new Set(styles).size, 18);
 });
 
-test('a colour that was given up is the next to be given', () => {
+test('a color that was given up is the next to be given', () => {
   assert.equal(free_slot([]), 0);
   assert.equal(free_slot([0, 2, 3]), 1);
 });

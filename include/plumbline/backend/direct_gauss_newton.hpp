@@ -1,10 +1,10 @@
 #pragma once
-/// Backend: every frame alone against the map, and a local bundle of the last K keyframes when one is made.
+/// Backend: every frame alone against the local map, and a bundle adjustment of the last K keyframes when one is added.
 ///                                                                                          docs/math/direct.md
-/// A frame is the least that its images and links say: its pose, and with an IMU its velocity and biases, tied to the
-/// last keyframe (FrameSolve). Keyframes and landmarks are estimated together by a few steps of Gauss-Newton, and
-/// keyframes that leave are marginalized (WindowBackend), so that neither scale nor gravity drifts. By default features
-/// are found by direct alignment.
+/// The state of a frame (pose; velocity and biases with an IMU) minimizes the terms of its features and of its factor
+/// to the last keyframe, landmarks fixed (FrameSolve). Keyframes and landmarks are estimated together by a few
+/// iterations, and keyframes that leave are marginalized (WindowBackend), which limits the drift of scale and gravity
+/// direction. Its default front ends are those of direct alignment.
 
 #include "plumbline/backend/backend.hpp"
 #include "plumbline/backend/frame_solve.hpp"
@@ -17,7 +17,7 @@
 namespace plumbline {
 
 struct DirectOptions : WindowOptions {
-  DirectOptions() { solver.max_iterations = 5; }  // a bundle of keyframes
+  DirectOptions() { solver.max_iterations = 5; }  // of the bundle adjustment of keyframes
   FrameSolveOptions frame;
 };
 
@@ -29,8 +29,8 @@ class DirectBackend {
   using S = typename Bundle::S;
   using Layout = typename Bundle::Layout;
   using State = typename Bundle::State;
-  using Link = typename Bundle::Link;
-  using Links = typename Bundle::Links;
+  using Factor = typename Bundle::Factor;
+  using Factors = typename Bundle::Factors;
   using Landmarks = LandmarksT;
   using Window = typename Bundle::Window;
   using Options = DirectOptions;
@@ -40,9 +40,9 @@ class DirectBackend {
 
   const Window& window() const { return bundle_.window(); }
   Window& window() { return bundle_.window(); }
-  const Links& links() const { return bundle_.links(); }
+  const Factors& factors() const { return bundle_.factors(); }
 
-  void believe_readout(double value_s, double sigma_s) { bundle_.believe_readout(value_s, sigma_s); }
+  void set_readout_prior(double value_s, double sigma_s) { bundle_.set_readout_prior(value_s, sigma_s); }
   void set_readout(double value_s) { bundle_.set_readout(value_s); }
   bool find_readout(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks,
                     ReadoutCorrection& out) requires Sensors::rolls {
@@ -50,38 +50,39 @@ class DirectBackend {
   }
 
   int start(TimeNs t_ns, const State& x) {
-    alone_ = false;
+    solved_alone_ = false;
     const int slot = bundle_.start(t_ns, x);
-    know_keyframe();
+    update_keyframe_covariance();
     return slot;
   }
   template <int Rows>
-  void restart(auto&& state_of, const Mat<double, Rows, Layout::dim>& J_rest, const SE3<S>& T_body_cam,
-               const ClockBelief& clock = {}) {
-    bundle_.restart(state_of, J_rest, T_body_cam, clock);
+  void restart(auto&& state_of, const Mat<double, Rows, Layout::dim>& J_prior, const SE3<S>& T_body_cam,
+               const TimeOffsetEstimate& time_offset = {}) {
+    bundle_.restart(state_of, J_prior, T_body_cam, time_offset);
   }
   void hold_distance(int i, int j, double distance, double sigma) { bundle_.hold_distance(i, j, distance, sigma); }
   void hold_scale(int i, int j) { bundle_.hold_scale(i, j); }
-  int insert(TimeNs t_ns, const State& x, const Link& link) {
-    if constexpr (requires { link.previous; }) frame_.follow(window(), links(), link.previous, options_.frame);
-    return bundle_.insert(t_ns, x, link);
+  int insert(TimeNs t_ns, const State& x, const Factor& factor) {
+    if constexpr (requires { factor.previous; })
+      frame_.set_reference(window(), factors(), factor.previous, options_.frame);
+    return bundle_.insert(t_ns, x, factor);
   }
   void drop(Landmarks& landmarks, int slot) {
-    frame_.forget(slot);
+    frame_.discard(slot);
     bundle_.drop(landmarks, slot);
   }
 
-  /// The bundle of all keyframes, or the newest frame alone when it is none.
+  /// Bundle adjustment of all keyframes, or the solution of the newest frame alone when it is no keyframe.
   void optimize(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks, bool keyframe = true) {
-    alone_ = frame_.solve(rig, T_body_cam, landmarks, window(), links(), window().newest(), options_.frame);
-    bundle_.links().set_judged(window().newest(), keyframe);
+    solved_alone_ = frame_.solve(rig, T_body_cam, landmarks, window(), factors(), window().newest(), options_.frame);
+    bundle_.factors().set_checked(window().newest(), keyframe);
     if (keyframe) optimize(rig, T_body_cam, landmarks, options_.solver);
   }
   LevenbergMarquardtSummary optimize(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks,
                                      const LevenbergMarquardtOptions& solver) {
     const LevenbergMarquardtSummary summary = bundle_.optimize(rig, T_body_cam, landmarks, solver);
-    alone_ = false;
-    know_keyframe();
+    solved_alone_ = false;
+    update_keyframe_covariance();
     return summary;
   }
 
@@ -89,12 +90,12 @@ class DirectBackend {
     bundle_.retire(rig, T_body_cam, landmarks, slot, map);
   }
 
-  /// Of the newest frame's pose; false when it is not defined.
+  /// Covariance of the pose of the newest frame [rad, m]; false when it is not defined.
   bool covariance_of_newest(Mat<S, state::Pose::dim, state::Pose::dim>& covariance) const {
-    if (!alone_) return bundle_.covariance_of_newest(covariance);
+    if (!solved_alone_) return bundle_.covariance_of_newest(covariance);
     return frame_.covariance(window(), window().newest(), covariance);
   }
-  /// Of the leading blocks of the newest keyframe, which was solved for with the bundle.
+  /// Covariance of the leading blocks of the newest keyframe by the last bundle adjustment.
   template <int Dim>
   bool covariance_of_keyframe(Mat<S, Dim, Dim>& covariance) const {
     return bundle_.covariance_of_newest(covariance);
@@ -107,7 +108,7 @@ class DirectBackend {
   }
 
  private:
-  void know_keyframe() {
+  void update_keyframe_covariance() {
     Mat<S, Layout::dim, Layout::dim> covariance = zeros<S, Layout::dim, Layout::dim>();
     bundle_.covariance_of_newest(covariance);
     frame_.set_keyframe(window().newest(), covariance);
@@ -116,10 +117,10 @@ class DirectBackend {
   Options options_;
   Bundle bundle_;
   FrameSolve<Motion, Landmarks> frame_;
-  bool alone_ = false;  ///< the newest frame was solved for alone
+  bool solved_alone_ = false;  ///< the newest frame has a solution by FrameSolve
 };
 
-/// The last `Keyframes` keyframes; FrontEndPolicy finds their landmarks.
+/// Backend policy: `Keyframes` is the size of the bundle, FrontEndPolicy names the front end of each feature kind.
 template <int Keyframes = 10, class FrontEndPolicy = DirectAlignment>
 struct DirectGaussNewton {
   static_assert(Keyframes >= 3, "plumbline: a bundle needs at least three keyframes");

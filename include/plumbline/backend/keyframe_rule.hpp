@@ -1,5 +1,6 @@
 #pragma once
-/// When a frame is a keyframe, and which one goes when there is no more room.
+/// Keyframe decision by parallax and overlap, and the choice of the keyframe that leaves a full window.
+///                                                                                          docs/math/window.md
 
 #include <cmath>
 
@@ -11,37 +12,40 @@
 namespace plumbline {
 
 struct KeyframeOptions {
-  double min_tracked_ratio = 0.5;  ///< of the landmarks in sight after the last keyframe
-  double max_motion_rad = 0.15;    ///< mean motion of the landmarks in the image since the last keyframe
+  /// A keyframe is added below this fraction of the landmarks tracked at the last keyframe.
+  double min_tracked_ratio = 0.5;
+  /// Mean motion of the landmarks in the image since the last keyframe beyond which one is added [rad].
+  double max_motion_rad = 0.15;
 };
 
-/// A camera without depth locates its landmarks by keyframes, and velocities and biases want them close; depth alone
-/// drifts with every keyframe.
+/// Default options of a rig. Without depth landmarks are triangulated between keyframes, so these are frequent; with an
+/// IMU they are closer because velocities and biases are estimated at them. With depth alone every keyframe adds drift.
 template <SensorRig Sensors>
 constexpr KeyframeOptions default_keyframes() {
   if (!Sensors::has_depth) return {0.7, 0.0656};
   return {0.5, Sensors::has_imu ? 0.0933 : 0.15};
 }
 
-/// By parallax and overlap.
+/// The decisions, from counts and poses.
 class KeyframeRule {
  public:
   explicit KeyframeRule(const KeyframeOptions& options) : options_(options) {}
 
-  /// `tracked` of the landmarks, after the last keyframe there were `tracked_then`; they moved by motion_rad since.
+  /// `tracked`: landmarks tracked now, `tracked_then`: after the last keyframe, `motion_rad`: their mean motion since.
   bool is_keyframe(int tracked, int tracked_then, double motion_rad) const {
     return tracked < options_.min_tracked_ratio * tracked_then || motion_rad > options_.max_motion_rad;
   }
 
-  /// The slot of the keyframe that goes. Where one frame is known by the one before it they go in order of time, so
-  /// that the chain stays whole; others by what the rest replaces best: far from the newest, near to the others,
-  /// distances in units of the scene's depth and of the field of view, and never one of the two newest.
+  /// Slot of the keyframe that leaves. With factors between successive frames (`in_order`) the oldest one. Otherwise
+  /// the most redundant one: far from the newest, close to the others, never one of the two newest.
+  ///                                                                                            docs/math/window.md (2)
   template <class Window>
   static int leaving(const Window& window, typename Window::Scalar mean_depth, bool in_order) {
     return in_order ? window.oldest() : most_redundant(window, mean_depth);
   }
 
  private:
+  /// Maximum of score (2); positions are divided by `mean_depth`.
   template <class Window>
   static int most_redundant(const Window& window, typename Window::Scalar mean_depth) {
     using S = typename Window::Scalar;
@@ -54,11 +58,11 @@ class KeyframeRule {
     S worst_score = S(-1);
     for (int k = 0; k < Window::slots; ++k) {
       if (!window[k].used || k == newest || k == second) continue;
-      S crowd = S(0);
+      S density = S(0);
       for (int j = 0; j < Window::slots; ++j) {
-        if (window[j].used && j != k) crowd += S(1) / (S(0.02) + distance(k, j));
+        if (window[j].used && j != k) density += S(1) / (S(0.02) + distance(k, j));
       }
-      const S score = std::sqrt(distance(k, newest)) * crowd;
+      const S score = std::sqrt(distance(k, newest)) * density;
       if (score > worst_score) {
         worst_score = score;
         worst = k;

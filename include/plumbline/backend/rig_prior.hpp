@@ -1,5 +1,6 @@
 #pragma once
-/// What is known of mount and clock of the camera of a window besides its rows; nothing without an IMU.
+/// Priors on extrinsics and time offset of the camera of a window, besides its marginalization prior; empty without an
+/// IMU.
 ///                                                                                          docs/math/camera_imu.md
 
 #include <cmath>
@@ -9,8 +10,8 @@
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/present.hpp"
 #include "plumbline/core/time.hpp"
-#include "plumbline/state/clock_belief.hpp"
 #include "plumbline/state/layout.hpp"
+#include "plumbline/state/time_offset_estimate.hpp"
 
 namespace plumbline {
 
@@ -20,34 +21,35 @@ class RigPrior {
   RigPrior(const ExtrinsicsOptions& extrinsics, const TimeOffsetOptions& time_offset)
       : extrinsics_(ExtrinsicsPrior(extrinsics)), options_(time_offset) {}
 
-  /// From now on the window estimates where the camera sits, and how its clock goes unless it is known. One in doubt is
-  /// as one that was just corrected.
-  void begin(auto& window, const auto& T_body_cam, const ClockBelief& clock) {
+  /// The window estimates the extrinsics from now on, and the time offset unless it is fixed. A suspect offset is
+  /// treated like one that was just corrected.
+  void begin(auto& window, const auto& T_body_cam, const TimeOffsetEstimate& time_offset) {
     window.estimate_extrinsics(T_body_cam);
     const TimeOffsetOptions options = options_.get();
-    if (clock.known || !(options.sigma_s > 0)) return;
-    time_offset_.set(TimeOffsetPrior(options, clock.sigma_s));
-    window.estimate_time_offset(clock.offset_s);
-    clock_.set({clock.in_doubt, window[window.newest()].t_ns, 0});
+    if (time_offset.is_known || !(options.sigma_s > 0)) return;
+    time_offset_.set(TimeOffsetPrior(options, time_offset.sigma_s));
+    window.estimate_time_offset(time_offset.offset_s);
+    change_.set({time_offset.is_suspect, window[window.newest()].t_ns, 0});
   }
 
-  /// Before the frames are solved for. What a wrong clock makes of turns looks like a turned mount as long as the body
-  /// turns about one axis: while the clock is found out the mount is held.
-  void watch(const auto& window) {
+  /// To be called before each solution: holds the extrinsics while the time offset converges. With rotation about one
+  /// axis a wrong offset and wrong extrinsics are not distinguishable.
+  void update_hold(const auto& window) {
     if constexpr (has_time_offset<Layout>) {
       if (!window.estimates_time_offset()) return;
       const TimeOffsetOptions options = options_.get();
       const TimeNs now_ns = window[window.newest()].t_ns;
       const double correction_s = window.time_offset().correction()[0];
-      Clock clock = clock_.get();
-      if (std::abs(correction_s - clock.correction_s) > options.settled_s) clock = {true, now_ns, correction_s};
-      clock_.set(clock);
-      ExtrinsicsPrior mount = extrinsics_.get();
-      mount.hold(clock.moved && seconds_between(clock.moved_ns, now_ns) < options.settling_s);
-      extrinsics_.set(mount);
+      OffsetChange change = change_.get();
+      if (std::abs(correction_s - change.correction_s) > options.min_change_s) change = {true, now_ns, correction_s};
+      change_.set(change);
+      ExtrinsicsPrior extrinsics = extrinsics_.get();
+      extrinsics.hold(change.moved && seconds_between(change.moved_ns, now_ns) < options.hold_extrinsics_s);
+      extrinsics_.set(extrinsics);
     }
   }
 
+  /// Sum of both priors.
   double cost(const auto& window) const {
     double sum = 0;
     if constexpr (has_extrinsics<Layout>) {
@@ -57,7 +59,7 @@ class RigPrior {
     }
     return sum;
   }
-  /// To the equations of what is seen.
+  /// Adds both priors to the equations of the visual rows.
   void add_to(const auto& window, auto& equations) const {
     if constexpr (has_extrinsics<Layout>) {
       equations.add_extrinsics(window, extrinsics_.get());
@@ -66,8 +68,8 @@ class RigPrior {
   }
 
  private:
-  /// How it was corrected last by more than a little.
-  struct Clock {
+  /// The last correction of the offset by more than `min_change_s`.
+  struct OffsetChange {
     bool moved = false;
     TimeNs moved_ns = 0;
     double correction_s = 0;
@@ -76,7 +78,7 @@ class RigPrior {
   [[no_unique_address]] Present<ExtrinsicsPrior, has_extrinsics<Layout>> extrinsics_;
   [[no_unique_address]] Present<TimeOffsetOptions, has_time_offset<Layout>> options_;
   [[no_unique_address]] Present<TimeOffsetPrior, has_time_offset<Layout>> time_offset_;
-  [[no_unique_address]] Present<Clock, has_time_offset<Layout>> clock_;
+  [[no_unique_address]] Present<OffsetChange, has_time_offset<Layout>> change_;
 };
 
 }  // namespace plumbline

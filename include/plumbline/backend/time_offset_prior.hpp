@@ -1,8 +1,8 @@
 #pragma once
-/// What was known of the camera's clock before frames and readings were solved for together.
-///                                                                                          docs/math/camera_imu.md
-///   1/2 rho(e^2/sigma^2),   e the correction of the time offset, sigma at least that of a calibration            (7)
-/// with Cauchy's rho, like that of the mount: it never goes into the window's prior.
+/// Prior on the time offset of the camera, from calibration or CameraImuFilter.            docs/math/camera_imu.md
+///
+///   1/2 rho(e^2/sigma^2),   e the correction of the time offset, sigma the larger of option and filter          (7)
+/// with Cauchy's rho. Like that of the extrinsics the term is never marginalized.
 
 #include <algorithm>
 
@@ -12,19 +12,21 @@
 namespace plumbline {
 
 struct TimeOffsetOptions {
-  double sigma_s = 5e-4;    ///< of the calibration; 0: it is known
-  double doubt = 3;         ///< it is hardly believed beyond so many sigma
-  double settled_s = 3e-3;  ///< less of a change than that is none,
-  double settling_s = 1;    ///< and so long after one the mount of the camera is held
+  double sigma_s = 5e-4;         ///< prior sigma of a calibrated time offset [s]; 0: the offset is fixed
+  double cauchy_scale = 3;       ///< Cauchy scale [sigma]
+  double min_change_s = 3e-3;    ///< smallest change of the offset that counts as a correction [s]
+  double hold_extrinsics_s = 1;  ///< time for which the extrinsics are held after a correction of the offset [s]
 };
 
 class TimeOffsetPrior {
  public:
   TimeOffsetPrior() = default;
   TimeOffsetPrior(const TimeOffsetOptions& options, double found_sigma_s)
-      : sigma_(std::max(options.sigma_s, found_sigma_s)), loss_{options.doubt} {}
+      : sigma_(std::max(options.sigma_s, found_sigma_s)), loss_{options.cauchy_scale} {}
 
+  /// (7)
   double cost(double e) const { return loss_.rho(squared(e)) / 2; }
+  /// Weighted information on e [1/s^2].
   double information(double e) const { return loss_.weight(squared(e)) / (sigma_ * sigma_); }
 
  private:

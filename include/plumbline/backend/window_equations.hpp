@@ -1,10 +1,12 @@
 #pragma once
-/// The normal equations of a window's frames, landmarks eliminated.                             docs/math/window.md
+/// Normal equations of the states of a window, landmarks eliminated.                         docs/math/window.md
 ///
-/// What is seen depends on where the camera is, T_k T_body_cam: with E = Ad(T_body_cam) a step e of the mount moves it
-/// as the step E e of all bodies together would, so that rows J_k of the poses have J_e = (sum_k J_k) E, and
+/// Visual rows depend on the camera poses T_k T_body_cam. With E = Ad(T_body_cam) an increment e of the extrinsics
+/// moves all cameras as the increment E e of all bodies, so rows with the Jacobians J_k by the poses have J_e = (sum_k
+/// J_k) E, and
 ///   H_ek = E^T sum_j H_jk,   H_ee = E^T (sum_jk H_jk) E,   b_e = E^T sum_k b_k                                 (6)
-/// of what is seen, before anything else is added. A landmark costs nothing more. The camera's clock is in links alone.
+/// computed from the visual rows before anything else is added. The extrinsics thus add no work per landmark. The time
+/// offset is in the rows of factors alone.
 
 #include <algorithm>
 #include <array>
@@ -25,19 +27,21 @@ template <class Window>
 struct WindowEquations {
   using Layout = typename Window::Layout;
   using Rig = RigLayout<Layout>;
-  static constexpr int slots = Window::slots, rig = slots;  ///< it is the block after those of the frames
+  /// Index of the block of the rig, after those of the frames.
+  static constexpr int slots = Window::slots, rig = slots;
   using Normal = NormalEquations<double, Layout::dim, slots + (has_extrinsics<Layout> ? 1 : 0)>;
   using Pose = Mat<double, state::Pose::dim, state::Pose::dim>;
 
   Normal normal;
-  RelativeEquations<double, state::Pose::dim, slots> pairs;    ///< of what is seen: features see poses alone
-  AnchoredProducts<double, state::Pose::dim, slots> products;  ///< what landmarks of one anchor take when eliminated
+  RelativeEquations<double, state::Pose::dim, slots> pairs;    ///< of visual rows, which depend on poses alone
+  AnchoredProducts<double, state::Pose::dim, slots> products;  ///< of the elimination of the landmarks of one anchor
   typename Normal::Vector step;
 
-  /// The order of elimination: velocities and biases from the newest to the oldest, each of which is linked to the next
-  /// one alone, then the poses. The newest pose is last: its covariance is the end of the factor.
+  /// Order of elimination: velocities and biases from the newest frame to the oldest, each of which shares a factor
+  /// with the next one alone; then the rig, then the poses. The newest pose is last, so that its covariance is obtained
+  /// from the last block of the Cholesky factor.
   void order(const Window& window) {
-    std::array<int, slots> by_age;  // oldest first, those that are free before all
+    std::array<int, slots> by_age;  // free slots, then oldest first
     for (int k = 0; k < slots; ++k) by_age[k] = k;
     const auto age = [&](int k) { return window[k].used ? std::int64_t(window[k].sequence) : -1; };
     std::sort(by_age.begin(), by_age.end(), [&](int a, int b) { return age(a) < age(b); });
@@ -56,7 +60,7 @@ struct WindowEquations {
 
   void begin() { normal.reset(Normal::max_blocks); }
 
-  /// (6), of what was added so far, E at the mount's first estimate.
+  /// Adds the rows and columns (6) of what was added so far, E at the first estimate of the extrinsics.
   void add_extrinsics(const Window& window) {
     if constexpr (has_extrinsics<Layout>) {
       if (!window.estimates_extrinsics()) return;
@@ -83,37 +87,37 @@ struct WindowEquations {
       normal.add_gradient(rig, Vec<double, state::Pose::dim>(E.transpose() * b));
     }
   }
-  /// What was known of the mount.
+  /// Adds the prior on the extrinsics.
   void add_extrinsics(const Window& window, const ExtrinsicsPrior& prior) {
     if (window.estimates_extrinsics()) prior.add_to(cast_to<double>(window.extrinsics().correction()), rig, normal);
   }
 
-  /// What was known of the camera's clock.
+  /// Adds the prior on the time offset.
   void add_time_offset(const Window& window, const TimeOffsetPrior& prior) {
     if (!window.estimates_time_offset()) return;
     const double e = window.time_offset().correction()[0], information = prior.information(e);
-    add_clock(information, information * e);
+    add_offset(information, information * e);
   }
 
-  /// The prior, the rows of the links, and an identity for every parameter that nothing speaks of.
-  void add_known(const Window& window, const auto& prior, const auto& links) {
+  /// Adds the prior, the rows of the factors, and an identity for every parameter without rows.
+  void add_priors_and_factors(const Window& window, const auto& prior, const auto& factors) {
     prior.add_to(window, normal);
     for (int k = 0; k < slots; ++k) {
-      hold(k, !window[k].used ? 0 : links.active() ? Layout::dim : state::Pose::dim);
+      fix(k, !window[k].used ? 0 : factors.active() ? Layout::dim : state::Pose::dim);
     }
-    if constexpr (has_extrinsics<Layout>) hold_rig(window);
-    links.for_each_row(window, -1,
-                       [&](int i, const auto& J_i, int j, const auto& J_j, const auto& J_clock, const auto& r) {
-                         normal.add(i, J_i, j, J_j, r, 1.0);
-                         if (!window.estimates_time_offset()) return;
-                         const auto J_d = cast_to<double>(J_clock);
-                         add_clock_and_frame(J_d, i, J_i);
-                         add_clock_and_frame(J_d, j, J_j);
-                         add_clock(squared_norm(J_d), dot(J_d, cast_to<double>(r)));
-                       });
+    if constexpr (has_extrinsics<Layout>) fix_rig(window);
+    factors.for_each_row(window, -1,
+                         [&](int i, const auto& J_i, int j, const auto& J_j, const auto& J_offset, const auto& r) {
+                           normal.add(i, J_i, j, J_j, r, 1.0);
+                           if (!window.estimates_time_offset()) return;
+                           const auto J_d = cast_to<double>(J_offset);
+                           add_offset_and_frame(J_d, i, J_i);
+                           add_offset_and_frame(J_d, j, J_j);
+                           add_offset(squared_norm(J_d), dot(J_d, cast_to<double>(r)));
+                         });
   }
 
-  /// Of the leading blocks of the frame in `slot`, its pose first; false when it is not defined.
+  /// Marginal covariance of the leading blocks of the frame in `slot`, its pose first; false when it is not defined.
   template <class S, int Dim>
   bool covariance(int slot, Mat<S, Dim, Dim>& out) const {
     static_assert(Dim <= Layout::dim);
@@ -125,56 +129,57 @@ struct WindowEquations {
     return true;
   }
 
-  /// The same of the camera's clock [s].
+  /// Standard deviation of the time offset [s]; false when it is not defined.
   bool sigma_of_time_offset(double& sigma_s) const {
     Mat<double, Layout::dim, Layout::dim> block;
     if (!normal.covariance_block(rig, block)) return false;
-    sigma_s = std::sqrt(block(clock, clock));
+    sigma_s = std::sqrt(block(offset, offset));
     return true;
   }
 
  private:
-  /// Of the block of the rig.
-  static constexpr int clock = [] {
+  /// Index of the time offset in the block of the rig.
+  static constexpr int offset = [] {
     if constexpr (has_time_offset<Layout>) return Rig::template offset<state::TimeOffset>;
     return 0;
   }();
 
-  /// Information on the camera's clock, and its gradient.
-  void add_clock(double information, double gradient) {
+  /// Adds information on the time offset, and its gradient.
+  void add_offset(double information, double gradient) {
     Mat<double, Rig::dim, Rig::dim> H = zeros<double, Rig::dim, Rig::dim>();
     Vec<double, Rig::dim> g = zeros<double, Rig::dim>();
-    H(clock, clock) = information;
-    g[clock] = gradient;
+    H(offset, offset) = information;
+    g[offset] = gradient;
     normal.add_block(rig, rig, H);
     normal.add_gradient(rig, g);
   }
-  /// What the same rows say of it and of a frame.
+  /// Adds the block of rows between the time offset and a frame.
   template <class T, int Rows>
-  void add_clock_and_frame(const Vec<double, Rows>& J_clock, int slot, const Mat<T, Rows, Layout::dim>& J) {
+  void add_offset_and_frame(const Vec<double, Rows>& J_offset, int slot, const Mat<T, Rows, Layout::dim>& J) {
     Mat<double, Rig::dim, Layout::dim> H = zeros<double, Rig::dim, Layout::dim>();
     for (int c = 0; c < Layout::dim; ++c) {
-      for (int k = 0; k < Rows; ++k) H(clock, c) += J_clock[k] * double(J(k, c));
+      for (int k = 0; k < Rows; ++k) H(offset, c) += J_offset[k] * double(J(k, c));
     }
     normal.add_block(rig, slot, H);
   }
 
+  /// Index of parameter c of a block.
   static std::int16_t at(int block, int c) { return std::int16_t(block * Layout::dim + c); }
 
-  /// An identity for what is not estimated of the rig.
-  void hold_rig(const Window& window) {
-    hold(rig, Rig::dim);
+  /// Adds an identity for the blocks of the rig that are not estimated.
+  void fix_rig(const Window& window) {
+    fix(rig, Rig::dim);
     Vec<double, Rig::dim> held = zeros<double, Rig::dim>();
-    const auto rest = [&](int first, int count) {
+    const auto fix_range = [&](int first, int count) {
       for (int k = first; k < first + count; ++k) held[k] = 1;
     };
-    if (!window.estimates_extrinsics()) rest(Rig::template offset<state::Extrinsics>, state::Extrinsics::dim);
-    if (!window.estimates_time_offset()) rest(clock, state::TimeOffset::dim);
+    if (!window.estimates_extrinsics()) fix_range(Rig::template offset<state::Extrinsics>, state::Extrinsics::dim);
+    if (!window.estimates_time_offset()) fix_range(offset, state::TimeOffset::dim);
     normal.add_block(rig, rig, Mat<double, Rig::dim, Rig::dim>(held.asDiagonal()));
   }
 
-  /// An identity for the parameters of a block from `first` on.
-  void hold(int block, int first) {
+  /// Adds an identity for the parameters of a block from `first` on.
+  void fix(int block, int first) {
     if (first == Layout::dim) return;
     Mat<double, Layout::dim, Layout::dim> H;
     set_zero(H);

@@ -1,8 +1,9 @@
 #pragma once
-/// What is known of the frames of a window besides their rows: r0 + J0 e, e the corrections of all of them, by slot,
-/// and those of the camera's mount and clock.                                                 docs/math/window.md
-/// The prior keeps columns for every slot; those of free slots, and of frames that it knows nothing of, are zero.
-/// Of a shutter that rolls the last column is that of the readout time, whose correction is its value.
+/// Marginalization prior of a window: r0 + J0 e, e the corrections of all frames by slot, then those of extrinsics and
+/// time offset.                                                                                     docs/math/window.md
+///
+/// J0 has columns for every slot; those of free slots, and of frames without prior information, are zero. With a
+/// rolling shutter the last column is that of the readout time, whose correction is its value.
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +12,7 @@
 #include "plumbline/core/assert.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/present.hpp"
-#include "plumbline/feature/readout_slopes.hpp"
+#include "plumbline/feature/readout_derivatives.hpp"
 #include "plumbline/feature/window_views.hpp"
 #include "plumbline/solver/marginalization.hpp"
 #include "plumbline/solver/normal_equations.hpp"
@@ -19,13 +20,13 @@
 
 namespace plumbline {
 
-/// `max_rows`, `max_columns`: of one landmark of any kind; `rolls`: so does the shutter.
+/// `max_rows`, `max_columns`: largest numbers of rows and parameters of one landmark; `rolls`: the shutter is rolling.
 template <class Window, int max_rows, int max_columns, bool rolls = false>
 class WindowPrior {
  public:
   static constexpr int frame_dim = Window::Layout::dim, extrinsics_dim = state::Extrinsics::dim;
   using Rig = RigLayout<typename Window::Layout>;
-  static constexpr int at_rig = Window::slots * frame_dim;  ///< its first column
+  static constexpr int at_rig = Window::slots * frame_dim;  ///< first column of the rig
   static constexpr int at_extrinsics = at_rig, at_time_offset = at_rig + extrinsics_dim;
   static constexpr int at_readout = at_rig + Rig::dim, dim = at_readout + (rolls ? 1 : 0);
   using Vector = Vec<double, dim>;
@@ -33,15 +34,15 @@ class WindowPrior {
 
   WindowPrior() { H_.resize(dim, dim); }
 
-  /// What is known of the readout time, from the next `set` on [s]; sigma 0: it is known.
-  void believe_readout(double value_s, double sigma_s) { readout_ = {value_s, sigma_s}; }
-  /// The value that is in force [s].
+  /// Prior on the readout time, from the next `set` on [s]; sigma 0: it is not estimated.
+  void set_readout_prior(double value_s, double sigma_s) { readout_prior_ = {value_s, sigma_s}; }
+  /// Readout time in use [s].
   void set_readout(double value_s) { readout_s_ = value_s; }
 
-  /// Rows J on one frame alone, which is its own first estimate; nothing else is known, but of the readout time.
+  /// Replaces the prior by whitened rows J on one frame, zero at its present state, and the prior on the readout time.
   template <int Rows>
   void set(Window& window, int slot, const Mat<double, Rows, frame_dim>& J) {
-    const bool finds_readout = rolls && readout_.sigma_s > 0;
+    const bool finds_readout = rolls && readout_prior_.sigma_s > 0;
     prior_.J0.resize(Rows + finds_readout, dim);
     set_zero(prior_.J0);
     for (int c = 0; c < frame_dim; ++c) {
@@ -50,14 +51,14 @@ class WindowPrior {
     prior_.r0.resize(Rows + finds_readout);
     set_zero(prior_.r0);
     if (finds_readout) {
-      prior_.J0(Rows, at_readout) = 1 / readout_.sigma_s;
-      prior_.r0[Rows] = -readout_.value_s / readout_.sigma_s;
+      prior_.J0(Rows, at_readout) = 1 / readout_prior_.sigma_s;
+      prior_.r0[Rows] = -readout_prior_.value_s / readout_prior_.sigma_s;
     }
     prior_.information(H_);
     window.state(slot).fix_first_estimates();
   }
 
-  /// One more row on two frames, whose residual is r as they are.
+  /// Adds one whitened row on two frames; r is the residual at their present states.
   void add(Window& window, int i, const Mat<double, 1, frame_dim>& J_i, int j, const Mat<double, 1, frame_dim>& J_j,
            double r) {
     const int row = int(prior_.J0.rows());
@@ -82,8 +83,8 @@ class WindowPrior {
     prior_.information(H_);
   }
 
-  /// The distance between two frames, with a sigma [m].
-  ///   d|p_j - p_i| = u^T (R_j dp_j - R_i dp_i),  u its direction
+  /// Adds a measured distance between two frames, with its sigma [m].                       docs/math/window.md (5)
+  ///   d|p_j - p_i| = u^T (R_j dp_j - R_i dp_i),  u = (p_j - p_i)/|p_j - p_i|
   void add_distance(Window& window, int i, int j, double distance, double sigma) {
     using S = typename Window::Scalar;
     const SE3<S>&T_i = window.T_world_body(i), &T_j = window.T_world_body(j);
@@ -107,14 +108,14 @@ class WindowPrior {
     equations.add(H_.topLeftCorner(at_readout, at_readout));
     equations.add_gradient(prior_.gradient(prior_.residual(corrections(window))).head(at_readout));
   }
-  /// The column of the readout time: to that of the frames' equations, and to what is left of it.
+  /// Adds the rows of the prior to the column of the readout time, and to its information and gradient.
   void add_readout_to(const Window& window, auto& column, ReadoutBorder& border) const requires rolls {
     for (int c = 0; c < at_readout; ++c) column[c] += H_(at_readout, c);
     border.information += H_(at_readout, at_readout);
     border.gradient += prior_.gradient(prior_.residual(corrections(window)))[at_readout];
   }
 
-  // The frame in `slot` leaves: `begin_retirement`, then all rows that would be lost with it, then `retire`.
+  // Marginalization of a frame: `begin_retirement`, then all rows that depend on it, then `retire`.
 
   void begin_retirement(const Window& window) {
     marginalizer_.reset(dim);
@@ -126,10 +127,10 @@ class WindowPrior {
     }
   }
 
-  /// Rows of a link between two frames, at the current state, also by the camera's clock.
+  /// Adds whitened rows of a factor between two frames, at the current state; J_offset: by the time offset.
   template <class S, int Rows>
-  void add_link(int i, const Mat<S, Rows, frame_dim>& J_i, int j, const Mat<S, Rows, frame_dim>& J_j,
-                const Vec<S, Rows>& J_clock, const Vec<S, Rows>& r) {
+  void add_factor(int i, const Mat<S, Rows, frame_dim>& J_i, int j, const Mat<S, Rows, frame_dim>& J_j,
+                  const Vec<S, Rows>& J_offset, const Vec<S, Rows>& r) {
     Vec<double, Rows> r0;
     for (int k = 0; k < Rows; ++k) {  // the prior's residual belongs to e = 0
       r0[k] = double(r[k]);
@@ -138,22 +139,23 @@ class WindowPrior {
       }
     }
     if constexpr (has_time_offset<typename Window::Layout>) {
-      for (int k = 0; k < Rows; ++k) r0[k] -= double(J_clock[k]) * e_[at_time_offset];
-      marginalizer_.add_rows(J_i, i * frame_dim, J_j, j * frame_dim, J_clock, at_time_offset, r0);
+      for (int k = 0; k < Rows; ++k) r0[k] -= double(J_offset[k]) * e_[at_time_offset];
+      marginalizer_.add_rows(J_i, i * frame_dim, J_j, j * frame_dim, J_offset, at_time_offset, r0);
     } else {
       marginalizer_.add_rows(J_i, i * frame_dim, J_j, j * frame_dim, r0);
     }
   }
 
-  /// Rows of one landmark, at the current state, and their slopes by the readout time; it goes as well.
+  /// Adds the rows of one landmark, at the current state, and their derivatives by the readout time; the landmark is
+  /// eliminated.
   template <class Landmark, class Pairs>
-  void add_landmark(const Landmark& landmark, const Pairs& pairs, const auto& slopes) {
+  void add_landmark(const Landmark& landmark, const Pairs& pairs, const auto& derivatives) {
     constexpr int columns = Landmark::landmark_dim;
     static_assert(columns <= max_columns && Landmark::max_rows <= max_rows);
     const int rows = landmark.rows();
     work_.resize(rows, columns + dim + 1);
     const int rank = landmark.reduced_rows(work_, pairs, frame_dim, [&] {
-      for (int k = 0; rolls && k < rows; ++k) work_(k, columns + at_readout) = double(slopes[k]);
+      for (int k = 0; rolls && k < rows; ++k) work_(k, columns + at_readout) = double(derivatives[k]);
     });
     if (rows <= rank) return;
     if constexpr (has_extrinsics<typename Window::Layout>) move_with_extrinsics(columns, rank);
@@ -165,11 +167,12 @@ class WindowPrior {
     marginalizer_.add_rows(work_.block(rank, columns, rows - rank, dim), r);
   }
 
-  /// The readout time may have changed by a sigma [s] since the last one left.
+  /// Marginalizes the frame in `slot`. `readout_walk_s`: sigma of the change of the readout time since the last call
+  /// [s].
   void retire(Window& window, int slot, double readout_walk_s = 0) {
     const int first = slot * frame_dim;
     if (marginalizer_.marginalize(first, frame_dim, reduced_)) {
-      if constexpr (rolls) doubt_readout(readout_walk_s);
+      if constexpr (rolls) inflate_readout(readout_walk_s);
       prior_.widen(reduced_, first, frame_dim);
     } else {
       prior_.forget(first, frame_dim);
@@ -182,7 +185,7 @@ class WindowPrior {
   }
 
  private:
-  /// The rows in `work_` from `first` on by the mount, (6) of WindowEquations.
+  /// Columns of the extrinsics for the rows in `work_` from `first` on, (6) of WindowEquations.
   void move_with_extrinsics(int columns, int first) {
     const Adjoint& E = E_.get();
     for (int k = first; k < int(work_.rows()); ++k) {
@@ -196,14 +199,15 @@ class WindowPrior {
     }
   }
 
-  /// What is known of the readout time alone is the last row of the triangle:  1/j^2 <- 1/j^2 + walk^2.
-  void doubt_readout(double walk_s) {
+  /// Adds the walk to the variance 1/j^2 of the readout time, j the last row of the triangle: 1/j^2 <- 1/j^2 + walk^2.
+  void inflate_readout(double walk_s) {
     const int last = reduced_.dim() - 1;
     const double j = reduced_.J0(last, last), less = 1 / std::sqrt(1 + walk_s * walk_s * j * j);
     reduced_.J0(last, last) *= less;
     reduced_.r0[last] *= less;
   }
 
+  /// e at the present states.
   Vector corrections(const Window& window) const {
     Vector e;
     set_zero(e);
@@ -221,17 +225,18 @@ class WindowPrior {
     return e;
   }
 
-  struct Belief {
+  struct ReadoutPrior {
     double value_s = 0, sigma_s = 0;
   };
 
-  Belief readout_;
+  ReadoutPrior readout_prior_;
   double readout_s_ = 0;
   Prior<dim> prior_, reduced_;
-  BoundedMatrix<double, dim, dim> H_;  ///< J0^T J0, which does not change until the next frame leaves
+  BoundedMatrix<double, dim, dim> H_;  ///< J0^T J0, constant until the next marginalization
   Marginalizer<dim, 64> marginalizer_;
   Vector e_;
-  [[no_unique_address]] Present<Adjoint, has_extrinsics<typename Window::Layout>> E_;  ///< of what leaves
+  /// Ad(T_body_cam) at the first estimate, zero when not estimated.
+  [[no_unique_address]] Present<Adjoint, has_extrinsics<typename Window::Layout>> E_;
   BoundedMatrix<double, max_rows, max_columns + dim + 1> work_;
 };
 
@@ -246,7 +251,7 @@ struct PriorOf<Window, std::tuple<T...>> {
 
 }  // namespace detail
 
-/// Of a window with these terms, a tuple.
+/// Prior of a window with a tuple of terms, one for each kind.
 template <class Window, class Terms>
 using WindowPriorOf = typename detail::PriorOf<Window, Terms>::type;
 

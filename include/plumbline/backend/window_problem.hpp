@@ -1,8 +1,9 @@
 #pragma once
-/// What a solver sees of a window: its cost, its equations, a step and the way back. The views are those of the state,
-/// or of the trial.                                                                             docs/math/window.md
+/// Least-squares problem of a window, as levenberg_marquardt expects it: linearize, solve, try a step, accept or reject
+/// it.
+///                                                                                          docs/math/window.md
 
-#include "plumbline/feature/readout_slopes.hpp"
+#include "plumbline/feature/readout_derivatives.hpp"
 #include "plumbline/lie/se3.hpp"
 
 namespace plumbline {
@@ -16,6 +17,7 @@ struct WindowProblem {
   typename Backend::Landmarks& landmarks;
   SE3<S> T_body_cam;
 
+  /// Linearizes all terms at the current state; returns the cost.
   double linearize() {
     self.begin_linearization();
     double cost = self.cost_of_frames();
@@ -25,13 +27,13 @@ struct WindowProblem {
     return cost + self.ties_.linearize(landmarks, self.views_);
   }
 
-  /// The equations of the frames alone.
+  /// Builds the equations of frames and rig, landmarks eliminated with damping `mu`.
   bool eliminate(double mu) {
     if (!eliminate_landmarks(mu)) return false;
-    add_known();
+    add_priors_and_factors();
     return true;
   }
-  /// Of what is seen.
+  /// The part of visual rows.
   bool eliminate_landmarks(double mu) {
     self.equations_.begin();
     self.equations_.pairs.add_to(self.equations_.normal);
@@ -48,27 +50,28 @@ struct WindowProblem {
     self.equations_.add_extrinsics(self.window_);
     return true;
   }
-  void add_known() {
-    self.known_.add_to(self.window_, self.equations_);
-    self.equations_.add_known(self.window_, self.prior_, self.links_);
+  void add_priors_and_factors() {
+    self.rig_prior_.add_to(self.window_, self.equations_);
+    self.equations_.add_priors_and_factors(self.window_, self.prior_, self.factors_);
   }
 
-  /// With the slopes of all rows by the readout time in the place of their residuals: its column of the equations, and
-  /// what the landmarks leave of it.                                                     rolling_shutter.md (4)
+  /// Column of the readout time in the equations, landmarks eliminated: the derivatives of all rows by the readout time
+  /// take the place of their residuals.                                                docs/math/rolling_shutter.md (4)
   bool border_by_readout(double mu, auto& column, ReadoutBorder& border) {
     self.begin_linearization();
     landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) {
       terms.exchange_residuals(rig, store, self.window_, self.views_, self.equations_.pairs, border);
     });
-    self.ties_.forget_residuals();
+    self.ties_.clear_residuals();
     if (!eliminate_landmarks(mu)) return false;
     landmarks.for_each_with(self.terms_, [&](auto& store, auto& terms) { terms.subtract_eliminated(store, border); });
     column = self.equations_.normal.b();
-    add_known();
+    add_priors_and_factors();
     self.prior_.add_readout_to(self.window_, column, border);
     return true;
   }
 
+  /// Computes the steps of frames and landmarks.
   bool solve(double mu, double& predicted_decrease) {
     if (!eliminate(mu) || !self.equations_.normal.solve(mu, self.equations_.step)) return false;
     predicted_decrease = self.equations_.normal.predicted_decrease(mu, self.equations_.step);
@@ -79,6 +82,7 @@ struct WindowProblem {
     return true;
   }
 
+  /// Applies the steps; returns the cost.
   double try_step() {
     self.backup_ = self.window_;
     self.window_.move(self.equations_.step);
@@ -91,6 +95,7 @@ struct WindowProblem {
   }
 
   void accept() {}
+  /// Undoes the steps.
   void reject() {
     self.window_ = self.backup_;
     self.views_.update(self.window_, T_body_cam);

@@ -54,7 +54,7 @@ class Equidistant {
     if (r > tiny * z) {
       const Angle distorted = distort(theta);
       s = distorted.value / r;
-      ds << xy * ((distorted.slope * z / range2 - s) / (r * r)), -distorted.slope / range2;  // (8)
+      ds << xy * ((distorted.derivative * z / range2 - s) / (r * r)), -distorted.derivative / range2;  // (8)
     }
     out.uv << fx * s * xy.x() + cx, fy * s * xy.y() + cy;                                  // (7)
     out.J_uv_p << fx * (s + xy.x() * ds.x()), fx * xy.x() * ds.y(), fx * xy.x() * ds.z(),  //
@@ -78,7 +78,7 @@ class Equidistant {
     for (int iteration = 0; iteration < 40; ++iteration) {  // a step out of the bracket becomes a bisection
       const Angle distorted = distort(theta);
       (distorted.value < radius ? low : high) = theta;
-      S next = theta + (radius - distorted.value) / distorted.slope;
+      S next = theta + (radius - distorted.value) / distorted.derivative;
       if (!(next > low && next < high)) next = low + (high - low) / 2;
       const S step = std::abs(next - theta);
       theta = next;
@@ -92,7 +92,7 @@ class Equidistant {
  private:
   static constexpr S tiny = S(1e-8);
   struct Angle {
-    S value, slope;
+    S value, derivative;
   };
   /// th_d and d th_d / d th of (6).
   Angle distort(S theta) const {

@@ -63,7 +63,7 @@ void set_segment(Vec<S, Size>& x, int i, const Vec<S, N>& y) {
 /// A B
 template <class S, int R, int K, int C>
 Mat<S, R, C> product(const Mat<S, R, K>& A, const Mat<S, K, C>& B) {
-  // Not into the result at once: for all that a compiler knows that could be A or B, and it would not vectorize.
+  // Not into the result at once: a compiler has to assume that it aliases A or B, and would not vectorize.
   S out[R * C];
   for (int c = 0; c < C; ++c) {
     for (int r = 0; r < R; ++r) {

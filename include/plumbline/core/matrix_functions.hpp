@@ -1,6 +1,6 @@
 #pragma once
 /// Zeros, sums of products and the like of matrices and vectors of fixed size, as functions of values. Members of
-/// Eigen's say the same; but there each of them is a few more classes to compile for every size.
+/// Eigen's do the same; but there each of them is a few more classes to compile for every size.
 ///
 /// Results are Eigen's to the last bit: of sums, whole packets of 16 bytes come first, see matrix_operators.hpp (1).
 

@@ -1,5 +1,5 @@
 #pragma once
-/// + - * / of matrices and vectors of fixed size as functions of values, for all that stands in namespace plumbline.
+/// + - * / of matrices and vectors of fixed size as functions of values, for all code in namespace plumbline.
 ///
 /// For Eigen each operation is a class and a product is seven more, and what a compiler needs for an estimator grows
 /// with the square of their number. Between plain values of up to max_numbers numbers nothing of that is needed.
@@ -70,7 +70,7 @@ enum class Transposed : unsigned char { none, left, right };
 /// A B, R x K by K x C, each of them column by column; of one that is transposed, what it is transposed of is given.
 template <int R, int K, int C, Transposed transposed, class S>
 EIGEN_ALWAYS_INLINE void multiply(const S* A, const S* B, S* result) {
-  S out[R * C];  // for all that a compiler knows `result` could be A or B, and it would not vectorize
+  S out[R * C];  // a compiler has to assume that `result` aliases A or B, and would not vectorize
   for (int c = 0; c < C; ++c) {
     for (int r = 0; r < R; ++r) {
       S a[K];

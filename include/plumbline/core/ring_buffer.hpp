@@ -1,5 +1,5 @@
 #pragma once
-/// The last `Capacity` items, oldest first; one more in a full buffer makes it forget the oldest.
+/// The last `Capacity` items, oldest first; one more in a full buffer replaces the oldest.
 
 #include <array>
 #include <cstddef>

@@ -1,11 +1,11 @@
 #pragma once
-/// Where the time of a frame goes. The clock is a policy: firmware has its own, and without one nothing is measured.
+/// Timing of the stages of a frame. The clock is a policy; with NoClock, the default, no time is read.
 
 #include <concepts>
 
 namespace plumbline {
 
-/// Seconds since an arbitrary moment.
+/// A source of time: seconds since an arbitrary epoch.
 template <class C>
 concept Clock = requires {
   { C::now() } -> std::same_as<double>;
@@ -18,7 +18,7 @@ struct NoClock {
 template <Clock C>
 class Stopwatch {
  public:
-  /// Seconds since the last call, or since the beginning.
+  /// Seconds since the last call, or since construction.
   double lap() {
     const double now = C::now(), passed = now - last_;
     last_ = now;
@@ -29,13 +29,13 @@ class Stopwatch {
   double last_ = C::now();
 };
 
-/// Of the last frame [s], but for work beside the caller; zero with NoClock.
+/// Durations of the stages of the last frame [s], without work on other threads; zero with NoClock.
 struct FrameTiming {
-  double pyramid = 0;   ///< and the wait for work beside the caller
-  double align = 0;     ///< prediction and alignment of the image as a whole
-  double follow = 0;    ///< of each feature, and what most of them agree on
-  double estimate = 0;  ///< motion-only estimate
-  double map = 0;       ///< solve of the frame, depth of new features; keyframe: detection, window, marginalization
+  double pyramid = 0;   ///< image pyramid, and waiting for the keyframe task of the previous frame
+  double align = 0;     ///< prediction and alignment of the whole image
+  double follow = 0;    ///< tracking of each feature, and RANSAC consensus
+  double estimate = 0;  ///< motion-only pose estimation
+  double map = 0;       ///< window solution, depth of new landmarks; keyframe: detection, marginalization
   double total = 0;
 
   double track() const { return pyramid + align + follow; }

@@ -1,16 +1,16 @@
 #pragma once
-/// What an estimator is composed of, from its sensors, features and backend. Absence is decided here, once, and is a
-/// type.
+/// The types an estimator is composed of, chosen from its sensors, features and backend. The absence of a sensor is a
+/// type, and is decided here.
 
 #include <type_traits>
 
 #include "plumbline/frontend/front_ends.hpp"
+#include "plumbline/initialization/depth.hpp"
+#include "plumbline/initialization/inertial.hpp"
+#include "plumbline/initialization/two_view.hpp"
 #include "plumbline/motion/constant_velocity.hpp"
 #include "plumbline/motion/inertial.hpp"
 #include "plumbline/sensor/rig.hpp"
-#include "plumbline/start/depth.hpp"
-#include "plumbline/start/inertial.hpp"
-#include "plumbline/start/two_view.hpp"
 
 namespace plumbline {
 
@@ -25,16 +25,16 @@ struct MotionOf<Sensors, true> {
 };
 
 template <SensorRig Sensors, bool has_depth = Sensors::has_depth, bool has_imu = Sensors::has_imu>
-struct VisualStartOf {
-  using Type = DepthStart<typename Sensors::Scalar>;
+struct VisualInitializerOf {
+  using Type = DepthInitializer<typename Sensors::Scalar>;
 };
 template <SensorRig Sensors>
-struct VisualStartOf<Sensors, false, true> {
-  using Type = TwoViewStart<typename Sensors::Scalar, GuidedTwoView>;
+struct VisualInitializerOf<Sensors, false, true> {
+  using Type = TwoViewInitializer<typename Sensors::Scalar, GuidedTwoView>;
 };
 template <SensorRig Sensors>
-struct VisualStartOf<Sensors, false, false> {
-  using Type = TwoViewStart<typename Sensors::Scalar, UnguidedTwoView>;
+struct VisualInitializerOf<Sensors, false, false> {
+  using Type = TwoViewInitializer<typename Sensors::Scalar, UnguidedTwoView>;
 };
 }  // namespace detail
 
@@ -45,15 +45,17 @@ struct Composition {
   static constexpr int slots = BackendPolicy::slots;
 
   using Motion = typename detail::MotionOf<Sensors>::Type;
-  using VisualStart = typename detail::VisualStartOf<Sensors>::Type;
-  using Start = std::conditional_t<Sensors::has_imu, InertialStart<S, VisualStart>, VisualStart>;
+  using VisualInitializer = typename detail::VisualInitializerOf<Sensors>::Type;
+  using Initializer =
+      std::conditional_t<Sensors::has_imu, InertialInitializer<S, VisualInitializer>, VisualInitializer>;
   using FrontEnds = plumbline::FrontEnds<typename BackendPolicy::FrontEnds, Sensors, slots, FeatureSet>;
   using Landmarks = typename FrontEnds::Landmarks;
   using Backend = typename BackendPolicy::template Backend<Motion, Landmarks>;
   using Window = typename Backend::Window;
 
-  static_assert(Sensors::has_depth || FrontEnds::relates_two_views,
-                "plumbline: a camera without depth starts by points, e.g. Features<StartPoints<200>, Lines<100>>");
+  static_assert(
+      Sensors::has_depth || FrontEnds::relates_two_views,
+      "plumbline: without depth, initialization needs points, e.g. Features<InitializationPoints<200>, Lines<100>>");
 };
 
 }  // namespace plumbline

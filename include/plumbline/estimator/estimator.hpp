@@ -1,22 +1,23 @@
 #pragma once
-/// Visual and visual-inertial odometry from a rig, feature kinds and a backend, all named in the type:
+/// Visual and visual-inertial odometry of a rig, feature kinds and a backend, all named in the type:
 ///
 ///   using Vio = Estimator<Rig<Rgbd<Pinhole<float>>, Imu>, Features<Points<180>>, SlidingWindow<10>>;
 ///   static Vio vio{rig, options};                       // every byte it will ever use
 ///   vio.add_imu({t_ns, gyro, accel});                   // rigs with an IMU: rad/s, m/s^2
 ///   Result<Estimate<float>> estimate = vio.add_frame({t_ns, gray, depth});
 ///
-/// One frame, front to back: see, predict, track, estimate, keyframe (detect, optimize, retire), publish; when tracking
-/// fails: coast, find again, begin anew. Same input, same output, bit for bit. With an executor (executor.hpp) the work
-/// on a keyframe goes on beside the caller; what follows waits for it, so that this is as true.
+/// Stages of a frame: image pyramid, prediction, tracking, pose estimation, keyframe (detection, window optimization,
+/// marginalization), publication. When tracking fails: IMU-only propagation, re-detection, reset. The same input gives
+/// the same output, bit for bit. With an executor (executor.hpp) the keyframe task runs beside the caller; every later
+/// stage that depends on it waits for it, so the output is still reproducible.
 
 #include "plumbline/core/result.hpp"
-#include "plumbline/estimator/beginning.hpp"
 #include "plumbline/estimator/clock.hpp"
 #include "plumbline/estimator/composition.hpp"
 #include "plumbline/estimator/estimate.hpp"
 #include "plumbline/estimator/executor.hpp"
-#include "plumbline/estimator/keyframe_work.hpp"
+#include "plumbline/estimator/initialization.hpp"
+#include "plumbline/estimator/keyframe_task.hpp"
 #include "plumbline/estimator/odometry.hpp"
 #include "plumbline/estimator/options.hpp"
 #include "plumbline/estimator/recovery.hpp"
@@ -24,8 +25,8 @@
 
 namespace plumbline {
 
-template <class Sensors, class FeatureSet, class BackendPolicy, Clock TimeSource = NoClock, class MapPolicy = Forgetful,
-          Executor WorkPolicy = InOrder>
+template <class Sensors, class FeatureSet, class BackendPolicy, Clock TimeSource = NoClock, class MapPolicy = NoMap,
+          Executor ExecutorPolicy = SynchronousExecutor>
 class Estimator {
   static_assert(SensorRig<Sensors>, "plumbline: argument 1 must be a rig, e.g. Rig<Rgbd<Pinhole<float>>>");
   using Parts = Composition<Sensors, FeatureSet, BackendPolicy>;
@@ -34,7 +35,7 @@ class Estimator {
   using Covariance = typename Core::Covariance;
   using Predicted = typename Core::Predicted;
   using State = typename Core::State;
-  using Work = KeyframeWork<Core, WorkPolicy>;
+  using Task = KeyframeTask<Core, ExecutorPolicy>;
 
  public:
   using S = typename Sensors::Scalar;
@@ -43,55 +44,57 @@ class Estimator {
   using Backend = typename Core::Backend;
   using Options = typename Core::Options;
 
-  explicit Estimator(const Sensors& rig, const Options& options = {}) : core_(rig, options), beginning_(options) {}
+  explicit Estimator(const Sensors& rig, const Options& options = {}) : core_(rig, options), initialization_(options) {}
 
-  /// One reading, before the frame that comes after it: readings up to the frame's time plus the time offset, as far as
-  /// it is known (`latest().time_offset_s`). Between two frames the order does not matter. Errors as in ImuBuffer.
-  /// (What needs an IMU is a template: to Clang 14 `template class Estimator<...>` asks for it, whatever it requires.)
+  /// Adds an IMU sample. All samples up to the frame's time plus the time offset (`latest().time_offset_s`) are to be
+  /// added before that frame; samples between two frames may come in any order. Errors as in ImuBuffer.
+  /// (Members that need an IMU are templates: Clang 14 instantiates every non-template member in an explicit
+  /// instantiation, whatever its requires-clause.)
   template <InertialRig R = Sensors>
   Result<typename ImuBuffer<>::Accepted> add_imu(const ImuSample& sample) {
-    const State latest = work_.latest_state(core_);
-    return core_.motion.imu().add(sample, beginning_.has_seen_a_frame() ? &latest : nullptr);
+    const State latest = task_.latest_state(core_);
+    return core_.motion.imu().add(sample, initialization_.has_started() ? &latest : nullptr);
   }
 
-  /// Uses one frame; its pixels are not needed after the call. An error leaves the estimator as it was.
+  /// Processes a frame; its pixels are not used after the call. On an error the state of the estimator is unchanged.
   Result<Estimate<S>> add_frame(const Frame& frame) {
     if (!ImagePair<Sensors>::has_right_size(core_.rig, frame)) return Error::wrong_image_size;
-    if (beginning_.has_seen_a_frame() && frame.t_ns <= latest().t_ns) return Error::late_sample;
+    if (initialization_.has_started() && frame.t_ns <= latest().t_ns) return Error::late_sample;
     Stopwatch<TimeSource> whole, stage;
-    work_.wait();
-    if (!core_.images.see(frame)) return Error::wrong_image_size;
+    task_.wait();
+    if (!core_.images.take_in(frame)) return Error::wrong_image_size;
     timing_ = {.pyramid = stage.lap()};
-    View<Sensors> view = core_.view_of(frame, !beginning_.has_seen_a_frame());
-    beginning_.reckon(core_, view);
-    if (!beginning_.has_first_view()) {
-      recovery_.begin(core_, beginning_, view);
-    } else if (beginning_.is_refuted()) {
-      recovery_.begin_anew(core_, beginning_, view);
+    View<Sensors> view = core_.view_of(frame, !initialization_.has_started());
+    initialization_.dead_reckon(core_, view);
+    if (!initialization_.has_first_view()) {
+      recovery_.start(core_, initialization_, view);
+    } else if (initialization_.is_rejected()) {
+      recovery_.reset(core_, initialization_, view);
     } else {
       const Predicted predicted = core_.predict(view);
-      if (!beginning_.has_map()) {
-        beginning_.look_for_second_view(core_, view, predicted.state);
+      if (!initialization_.has_map()) {
+        initialization_.find_second_view(core_, view, predicted.state);
       } else {
-        go_on(view, predicted, stage);
-        beginning_.settle(core_, view);
+        track(view, predicted, stage);
+        initialization_.verify_scale(core_, view);
       }
     }
-    work_.end_frame(core_, view);
+    task_.end_frame(core_, view);
     timing_.total = whole.lap();
     return latest();
   }
 
-  /// What the last frame returned.
-  const Estimate<S>& latest() const { return work_.latest(core_); }
+  /// The estimate of the last frame.
+  const Estimate<S>& latest() const { return task_.latest(core_); }
   const FrameTiming& timing() const { return timing_; }
-  /// How far the start has come, or what keeps it.
-  const InitReport& init_report() const { return beginning_.report(); }
+  /// Stage of the initialization, with its figures.
+  const InitReport& init_report() const { return initialization_.report(); }
 
   const Sensors& rig() const { return core_.rig; }
 
-  /// Until work beside the caller is done; so do the three that read what it writes. The next frame waits by itself.
-  void wait() const { work_.wait(); }
+  /// Waits until the keyframe task is done. The three accessors below, which read what it writes, do so themselves, as
+  /// does the next frame.
+  void wait() const { task_.wait(); }
   const Landmarks& landmarks() const { return wait(), core_.landmarks; }
   const Backend& backend() const { return wait(), core_.backend; }
   const Map& map() const { return wait(), core_.map; }
@@ -101,47 +104,47 @@ class Estimator {
   const ImuBuffer<>& imu() const {
     return core_.motion.imu().buffer();
   }
-  /// What is found out about the camera's clock and mount while running.
+  /// The filter that estimates time offset and extrinsic rotation before initialization.
   template <InertialRig R = Sensors>
   const CameraImuFilter& camera_imu() const {
     return core_.motion.camera_imu();
   }
-  /// Whether the body stands still, as image and IMU have it.
+  /// Whether the body is stationary, by images and IMU.
   template <InertialRig R = Sensors>
-  bool at_rest() const {
-    return core_.motion.at_rest();
+  bool is_stationary() const {
+    return core_.motion.is_stationary();
   }
 
  private:
-  void go_on(View<Sensors>& view, const Predicted& predicted, Stopwatch<TimeSource>& stage) {
-    const bool knows_motion = core_.motion.carries_on() || !Core::Motion::is_chain;
-    if (knows_motion && core_.images.repeats() && !core_.motion.may_rest(view.t_ns))
-      return recovery_.recover(core_, beginning_, view, predicted.state, HealthReason::images_repeat);
+  void track(View<Sensors>& view, const Predicted& predicted, Stopwatch<TimeSource>& stage) {
+    const bool can_predict = core_.motion.can_propagate() || !Core::Motion::has_imu_factors;
+    if (can_predict && core_.images.repeats() && !core_.motion.can_be_stationary(view.t_ns))
+      return recovery_.recover(core_, initialization_, view, predicted.state, HealthReason::images_repeat);
     SE3<S> T = predicted.state.T_world_body;
     core_.front_ends.align(view, core_.window(), core_.landmarks, predicted.prior, T);
     timing_.align = stage.lap();
-    HealthReason lacks = core_.follow(view, predicted, T);
+    HealthReason failure = core_.follow(view, predicted, T);
     timing_.follow = stage.lap();
     Covariance covariance;
-    if (lacks == HealthReason::none) lacks = core_.find_pose(view, predicted, T, covariance);
+    if (failure == HealthReason::none) failure = core_.find_pose(view, predicted, T, covariance);
     timing_.estimate = stage.lap();
-    if (lacks != HealthReason::none) {
-      if (core_.landmarks.seen_count() < core_.options.pose.min_inliers) lacks = HealthReason::few_features;
-      recovery_.recover(core_, beginning_, view, predicted.state, lacks);
+    if (failure != HealthReason::none) {
+      if (core_.landmarks.seen_count() < core_.options.pose.min_inliers) failure = HealthReason::few_features;
+      recovery_.recover(core_, initialization_, view, predicted.state, failure);
     } else {
       const State x = core_.motion.update(predicted.state, T, covariance, view);
-      if (core_.motion.ties_frames()) {
-        work_.solve_in_window(core_, view, x);
-        judge(predicted);
+      if (core_.motion.is_initialized()) {
+        task_.solve_in_window(core_, view, x);
+        check_consistency(predicted);
       } else {
-        core_.solve_alone(view, x, covariance);
-        const bool worth_aligning = beginning_.gather(core_, view, covariance),
+        core_.adopt_pose(view, x, covariance);
+        const bool ready_to_align = initialization_.add_pose(core_, view, covariance),
                    needed = core_.needs_keyframe(view.t_ns);
-        if (worth_aligning) {
+        if (ready_to_align) {
           core_.make_keyframe(view);
-          beginning_.align(core_, view);
+          initialization_.align(core_, view);
         } else if (needed) {
-          work_.make_keyframe(core_, view);
+          task_.make_keyframe(core_, view);
         }
       }
       recovery_.found_pose(core_, view);
@@ -149,20 +152,22 @@ class Estimator {
     timing_.map = stage.lap();
   }
 
-  /// Where readings are in doubt and exclude what was solved for, nobody knows who is right; nor how the body
-  /// is turned since they are wrong: what leans can be a bias of the accelerometer.
-  void judge(const Predicted& predicted) {
+  /// Adds inflation for unmodeled error to the uncertainty of the world frame: the rotation that a gyroscope bias jump
+  /// may have caused, about any axis since tilt is taken for accelerometer bias; and, while images and IMU disagree,
+  /// the difference between the solved and the predicted pose when it exceeds the gate.
+  void check_consistency(const Predicted& predicted) {
     const SE3<S>& T = core_.estimate.T_world_body;
-    if (core_.motion.turned_wrongly() > S(0)) core_.origin.doubt_rotation(T, core_.motion.turned_wrongly());
-    if (core_.estimate.health.reason == HealthReason::imu_disagrees && !core_.motion.admits(predicted, T))
-      core_.origin.dispute(minus(T, predicted.state.T_world_body));
+    if (core_.motion.gyro_jump_rotation() > S(0))
+      core_.world_uncertainty.add_rotation_uncertainty(T, core_.motion.gyro_jump_rotation());
+    if (core_.estimate.health.reason == HealthReason::imu_disagrees && !core_.motion.passes_gate(predicted, T))
+      core_.world_uncertainty.inflate(minus(T, predicted.state.T_world_body));
   }
 
   Core core_;
-  Beginning<Core, typename Parts::Start> beginning_;
-  Recovery<Core, Beginning<Core, typename Parts::Start>> recovery_;
+  Initialization<Core, typename Parts::Initializer> initialization_;
+  Recovery<Core, Initialization<Core, typename Parts::Initializer>> recovery_;
   FrameTiming timing_;
-  [[no_unique_address]] Work work_;  ///< the last, so that its end is waited for first
+  [[no_unique_address]] Task task_;  ///< the last member: destroyed first, which waits for the task
 };
 
 }  // namespace plumbline

@@ -1,6 +1,7 @@
 #pragma once
-/// When an image does not say where it was taken: the IMU bridges it, or the next ones are tried against the last good
-/// one; then all begins anew where the body is thought to be.  docs/robustness.md
+/// Recovery from frames without a pose: with an IMU, IMU-only propagation; without, repeated attempts against the last
+/// usable image; then a reset at the last or dead-reckoned pose.
+///                                                                                      docs/concepts/outages.md
 
 #include <algorithm>
 
@@ -14,22 +15,29 @@
 namespace plumbline {
 
 struct RecoveryOptions {
-  int min_landmarks = 15;     ///< to begin with, or to go on with
-  int max_lost_frames = 20;   ///< of a camera alone that show something, tried again before all begins anew
-  double gap_s = 0.2;         ///< without an image of use: after it the camera may have turned by anything
-  int max_blind_frames = 3;   ///< in a row that the IMU bridges, before new landmarks are looked for
-  double max_coasting_s = 3;  ///< on the IMU alone, or waiting for a sight known, before all begins anew
-  double lost_speed = 1;      ///< of a body that nothing tells of, sigma [m/s]
-  double lost_rate = 1;       ///< [rad/s]
+  /// Fewest landmarks in view for an initialization, or for tracking.
+  int min_landmarks = 15;
+  /// Frames without a pose before a reset, for rigs without IMU. Images of too little contrast do not count.
+  int max_lost_frames = 20;
+  /// Time without a usable image after which the rotation of the camera is unknown [s].
+  double gap_s = 0.2;
+  /// Unusable images in a row before new landmarks are detected, for rigs with an IMU.
+  int max_outage_frames = 3;
+  /// Longest IMU-only propagation, or wait for a usable image, before a reset [s].
+  double max_imu_only_s = 3;
+  /// Speed of a body that is not observed, sigma [m/s].
+  double lost_speed = 1;
+  /// Angular rate of a body that is not observed, sigma [rad/s].
+  double lost_rate = 1;
 };
 
-/// Without depth a new beginning takes as long again: it cannot wait as long for it.
+/// The default options of a rig: without depth an initialization takes longer, so a reset comes earlier.
 template <SensorRig Sensors>
 constexpr RecoveryOptions default_recovery() {
   return {.max_lost_frames = Sensors::has_depth ? 20 : 10};
 }
 
-template <class Odometry, class Beginning>
+template <class Odometry, class Initialization>
 class Recovery {
  public:
   using Sensors = typename Odometry::Sensors;
@@ -37,117 +45,121 @@ class Recovery {
   using State = typename Odometry::State;
   using Motion = typename Odometry::Motion;
 
-  /// The first view of all; again: at the pose that is published.
-  static void begin(Odometry& odometry, Beginning& beginning, const View<Sensors>& view) {
-    if (!Motion::is_chain && odometry.estimate.resets > 0) {
-      lose_place(odometry, view);
-      beginning.lose_place(odometry);
+  /// Starts an initialization with this view, at the published pose after a reset.
+  static void start(Odometry& odometry, Initialization& initialization, const View<Sensors>& view) {
+    if (!Motion::has_imu_factors && odometry.estimate.resets > 0) {
+      mark_lost(odometry, view);
+      initialization.mark_lost(odometry);
     }
-    beginning.take_first_view(odometry, view);
+    initialization.set_first_view(odometry, view);
   }
 
-  void recover(Odometry& odometry, Beginning& beginning, const View<Sensors>& view, const State& predicted,
-               HealthReason lacks) {
-    odometry.motion.lose();
-    const int tries = beginning.patience(odometry.options.recovery.max_lost_frames);
-    const bool goes_on =
-        odometry.motion.carries_on() ? coast(odometry, view, predicted, lacks) : wait(odometry, view, tries, lacks);
-    if (!goes_on) begin_anew(odometry, beginning, view);
+  void recover(Odometry& odometry, Initialization& initialization, const View<Sensors>& view, const State& predicted,
+               HealthReason failure) {
+    odometry.motion.mark_lost();
+    const int max_lost_frames = initialization.lost_frame_limit(odometry.options.recovery.max_lost_frames);
+    const bool continues = odometry.motion.can_propagate() ? propagate_imu_only(odometry, view, predicted, failure)
+                                                           : wait(odometry, view, max_lost_frames, failure);
+    if (!continues) reset(odometry, initialization, view);
   }
-  void begin_anew(Odometry& odometry, Beginning& beginning, const View<Sensors>& view) {
-    if (!Motion::is_chain || odometry.motion.carries_on()) {
+  void reset(Odometry& odometry, Initialization& initialization, const View<Sensors>& view) {
+    if (!Motion::has_imu_factors || odometry.motion.can_propagate()) {
       ++odometry.estimate.resets;
-      beginning.lose_place(odometry);
+      initialization.mark_lost(odometry);
     }
     lost_frames_ = 0;
-    coasted_s_ = 0;
-    begin(odometry, beginning, view);
+    imu_only_s_ = 0;
+    start(odometry, initialization, view);
   }
-  /// What was lost is found again. Where that comes and goes readings and images do not belong together.
+  /// A frame has a pose again. A usable frame reduces the time of IMU-only propagation by its own duration, so that
+  /// images and IMU that contradict each other in most frames also end in a reset.
   void found_pose(Odometry& odometry, const View<Sensors>& view) {
-    if (lost_frames_ > 0) odometry.motion.lose();
+    if (lost_frames_ > 0) odometry.motion.mark_lost();
     lost_frames_ = 0;
-    coasted_s_ = std::max(0.0, coasted_s_ - double(view.dt));
+    imu_only_s_ = std::max(0.0, imu_only_s_ - double(view.dt));
   }
 
  private:
-  /// A camera alone tries its images against the last good one. What shows nothing, or the same again, is no try. False
-  /// when all has to begin anew.
-  bool wait(Odometry& odometry, const View<Sensors>& view, int tries, HealthReason lacks) {
-    const bool hangs = lacks == HealthReason::images_repeat;
-    const bool for_long = !(odometry.blind_s(view.t_ns) < odometry.options.recovery.max_coasting_s);
-    if (!hangs && (tries == 0 || odometry.images.shows_something())) ++lost_frames_;
-    if (!hangs && (lost_frames_ > tries || for_long)) return false;
-    lose_place(odometry, view);
-    if (!hangs) undo_frame(odometry);
+  /// Rigs without IMU: holds the last pose and tries up to max_lost_frames images against the last usable one. Repeated
+  /// images and those of too little contrast do not count. Returns false when a reset is due.
+  bool wait(Odometry& odometry, const View<Sensors>& view, int max_lost_frames, HealthReason failure) {
+    const bool repeats = failure == HealthReason::images_repeat;
+    const bool timed_out = !(odometry.outage_s(view.t_ns) < odometry.options.recovery.max_imu_only_s);
+    if (!repeats && (max_lost_frames == 0 || odometry.images.has_contrast())) ++lost_frames_;
+    if (!repeats && (lost_frames_ > max_lost_frames || timed_out)) return false;
+    mark_lost(odometry, view);
+    if (!repeats) undo_frame(odometry);
     odometry.estimate.t_ns = view.t_ns;
     odometry.estimate.keyframe = false;
     odometry.estimate.tracked = 0;
-    odometry.set_health(hangs && !for_long ? HealthState::degraded : HealthState::lost, lacks);
+    odometry.set_health(repeats && !timed_out ? HealthState::degraded : HealthState::lost, failure);
     return true;
   }
-  /// A body that nothing tells of may move while it is not seen.
-  static void lose_place(Odometry& odometry, const View<Sensors>& view) {
-    if constexpr (!Motion::is_chain) {
+  /// Inflates the covariance of a body that is not observed and may move: constant unknown velocity, sigma^2 t^2.
+  static void mark_lost(Odometry& odometry, const View<Sensors>& view) {
+    if constexpr (!Motion::has_imu_factors) {
       const RecoveryOptions& options = odometry.options.recovery;
-      const double until_s = odometry.blind_s(view.t_ns), since_s = until_s - double(view.dt);
+      const double until_s = odometry.outage_s(view.t_ns), since_s = until_s - double(view.dt);
       for (int k = 0; k < state::Pose::dim; ++k) {
-        const double moving = k < 3 ? options.lost_rate : options.lost_speed;
-        odometry.estimate.covariance(k, k) += S(moving * moving * (until_s * until_s - since_s * since_s));
+        const double sigma = k < 3 ? options.lost_rate : options.lost_speed;
+        odometry.estimate.covariance(k, k) += S(sigma * sigma * (until_s * until_s - since_s * since_s));
       }
     }
   }
 
-  /// The motion model alone. Where the image shows enough its features are followed, and located as soon as there is
-  /// parallax; where it does not for long, what was seen before is out of sight. What contradicts the readings is of no
-  /// use. False when all has to begin anew, and can.
-  bool coast(Odometry& odometry, const View<Sensors>& view, State x, HealthReason lacks) {
+  /// Takes the prediction of the motion model as the pose. An image with enough landmarks is kept, and gives them depth
+  /// by parallax, unless its pose contradicts the IMU. After max_outage_frames images with too few landmarks, new ones
+  /// are detected. Returns false when a reset is due and the image has enough landmarks for it.
+  bool propagate_imu_only(Odometry& odometry, const View<Sensors>& view, State x, HealthReason failure) {
     const RecoveryOptions& options = odometry.options.recovery;
-    const bool is_old = lacks == HealthReason::images_repeat, is_wrong = lacks == HealthReason::imu_disagrees;
-    const bool stands = stand(odometry, view.t_ns, x) && !is_wrong;  // else all may have to begin anew
-    auto covariance = odometry.estimate.covariance;                  // a keyframe made on the way here knows no better
-    if (!stands) covariance = odometry.motion.covariance_grown(covariance, S(odometry.blind_s(view.t_ns)));
+    const bool repeats = failure == HealthReason::images_repeat,
+               contradicts_imu = failure == HealthReason::imu_disagrees;
+    // Images that contradict the IMU of a stationary body are to lead to a reset.
+    const bool is_stationary = hold_stationary(odometry, view.t_ns, x) && !contradicts_imu;
+    auto covariance = odometry.estimate.covariance;  // a keyframe made during the outage does not reduce it
+    if (!is_stationary) covariance = odometry.motion.grown_covariance(covariance, S(odometry.outage_s(view.t_ns)));
     odometry.window().set_latest(x);
-    bool shows_enough = !is_old && odometry.landmarks.seen_count() >= options.min_landmarks;
-    if (shows_enough && !is_wrong) {
+    bool has_landmarks = !repeats && odometry.landmarks.seen_count() >= options.min_landmarks;
+    if (has_landmarks && !contradicts_imu) {
       odometry.images.keep(view, x.T_world_body);
       odometry.locate(view);
-    } else if (!is_old && !shows_enough && ++lost_frames_ > options.max_blind_frames && look_anew(odometry, view)) {
-      shows_enough = true;
+    } else if (!repeats && !has_landmarks && ++lost_frames_ > options.max_outage_frames &&
+               detect_again(odometry, view)) {
+      has_landmarks = true;
       lost_frames_ = 0;
-    } else if (!is_old) {
+    } else if (!repeats) {
       undo_frame(odometry);
     }
     odometry.publish(view.t_ns);
     odometry.estimate.covariance = covariance;
     odometry.estimate.tracked = 0;
-    if (stands) odometry.good_ns = view.t_ns;
-    coasted_s_ = stands ? 0 : coasted_s_ + double(view.dt);
-    const bool lost = !(coasted_s_ < options.max_coasting_s);
+    if (is_stationary) odometry.last_usable_ns = view.t_ns;
+    imu_only_s_ = is_stationary ? 0 : imu_only_s_ + double(view.dt);
+    const bool lost = !(imu_only_s_ < options.max_imu_only_s);
     odometry.set_health(lost ? HealthState::lost : HealthState::degraded,
-                        is_old || is_wrong ? lacks : HealthReason::coasting);
-    return !lost || !shows_enough;
+                        repeats || contradicts_imu ? failure : HealthReason::imu_only);
+    return !lost || !has_landmarks;
   }
-  /// A body that hardly moved stands when its readings say so: noise does not move it in the dark, and it is not lost.
-  /// Every second there its velocity is in doubt by as much as it was before.
-  static bool stand(Odometry& odometry, TimeNs t_ns, State& x) {
+  /// Holds the pose of a slow body whose IMU is stationary: noise does not move it during an outage. The limit of the
+  /// speed is the uncertainty of the velocity, velocity_sigma, and as much more for each second of the outage.
+  static bool hold_stationary(Odometry& odometry, TimeNs t_ns, State& x) {
     if constexpr (Motion::Layout::template has<state::Velocity>) {
       const State& before = odometry.window().latest();
-      const double hardly = odometry.options.motion.velocity_sigma * (1 + odometry.blind_s(t_ns));
-      if (!(double(norm(before.v_world_body)) < hardly) || !odometry.motion.may_rest(t_ns)) return false;
+      const double max_speed = odometry.options.motion.velocity_sigma * (1 + odometry.outage_s(t_ns));
+      if (!(double(norm(before.v_world_body)) < max_speed) || !odometry.motion.can_be_stationary(t_ns)) return false;
       x.T_world_body = before.T_world_body;
       set_zero(x.v_world_body);
       return true;
     }
     return false;
   }
-  /// What was seen before is out of sight: a keyframe at the latest state, if the image shows corners at all. The few
-  /// that were followed here were too few to agree on anything, and must not tie it.
-  static bool look_anew(Odometry& odometry, const View<Sensors>& view) {
+  /// Detects landmarks at the latest state, which becomes a keyframe, when the image shows enough corners. Earlier
+  /// landmarks are not observed in it: the few that were tracked had no consensus.
+  static bool detect_again(Odometry& odometry, const View<Sensors>& view) {
     odometry.drop_temporary();
-    odometry.landmarks.for_each([](auto& store) { store.lose_sight(); });
+    odometry.landmarks.for_each([](auto& store) { store.clear_current(); });
     const int slot =
-        odometry.backend.insert(view.t_ns, odometry.window().latest(), odometry.motion.link(odometry.keyframe()));
+        odometry.backend.insert(view.t_ns, odometry.window().latest(), odometry.motion.factor(odometry.keyframe()));
     odometry.front_ends.detect(view, odometry.window(), odometry.landmarks, slot);
     if (odometry.landmarks.seen_count() < odometry.options.recovery.min_landmarks) {
       odometry.backend.drop(odometry.landmarks, slot);
@@ -162,8 +174,8 @@ class Recovery {
     odometry.landmarks.for_each([](auto& store) { store.undo_frame(); });
   }
 
-  int lost_frames_ = 0;   ///< in a row whose image was of no use
-  double coasted_s_ = 0;  ///< on the motion model alone, more than was tracked since
+  int lost_frames_ = 0;    ///< unusable frames in a row
+  double imu_only_s_ = 0;  ///< time of IMU-only propagation, less that of usable frames since [s]
 };
 
 }  // namespace plumbline

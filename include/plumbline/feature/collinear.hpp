@@ -1,5 +1,5 @@
 #pragma once
-/// Feature kind: straight edges through points, at most N landmarks; points are named before it:
+/// Feature kind: lines through points, at most N landmarks. A kind of points must precede it in the list:
 ///
 ///   Features<Points<180>, Collinear<60>>
 ///

@@ -1,14 +1,13 @@
 #pragma once
-/// Feature kind: straight edges that hold points of another kind, known by these points alone.
+/// Feature kind: straight edges through points of another kind, their members; recognized by these points.
 ///                                                                                        docs/math/collinear.md
-/// A line in the camera of its anchor, as those of LineKind, measured by the segments of keyframes. What is on it are
-/// landmarks of the points before it in the list of features; in the window they are tied to it,
+/// The geometry is that of LineKind, a line in the camera of its anchor, measured by the segments of keyframes. Members
+/// are landmarks of a kind of points that precedes it in the list of features. In the window every member adds
 ///   1/2 rho(|r - [offset; 0]|^2 / sigma^2),   sigma^2 = tolerance^2 + offset^2,                              (3)
-/// r of residual/collinear_point.hpp,
-/// and by them, not by its looks, it is recognized in the next keyframe.
+/// r of residual/collinear_point.hpp. A line is recognized in the next keyframe by its members, not by its appearance.
 ///
-/// Between keyframes nobody looks for segments: the outermost of its points in sight stand for one (`from_points`).
-/// They measure a frame against the line that the keyframes know; the window has them as points already.
+/// Between keyframes no segments are detected: the outermost members in view give a substitute (`from_points`). It
+/// measures the pose of a frame against the line; in the window it has no rows, since its points have theirs.
 
 #include <cmath>
 #include <cstdint>
@@ -23,9 +22,10 @@
 
 namespace plumbline {
 
+/// Segment of a line in one frame.
 template <class S, bool rolls>
 struct CollinearObservation : SegmentObservation<S, false, rolls, false> {
-  bool from_points = false;  ///< the ends are points, no segment was looked for
+  bool from_points = false;  ///< the ends are members; no segment was detected
 };
 
 template <SensorRig SensorsT, template <class> class Loss = Huber>
@@ -36,22 +36,25 @@ struct CollinearKind : LineKind<SensorsT, Loss, CollinearObservation<typename Se
   using typename Lines::InAnchor;
   using typename Lines::Linearized;
   using typename Lines::Observation;
-  static constexpr int max_points = 12;     ///< on one line
-  static constexpr S tolerance = S(0.003);  ///< of (3), distance by range: edges are not perfectly straight
+  static constexpr int max_points = 12;  ///< largest number of members of one line
+  /// Of (3), distance divided by range [rad], since edges are not perfectly straight.
+  static constexpr S tolerance = S(0.003);
   static constexpr Loss<S> point_loss = Lines::pixel_loss;
 
-  /// Whether landmarks of this kind may lie on the line.
+  /// Whether landmarks of kind K can be members.
   template <class K>
-  static constexpr bool holds = K::dim == 1;
+  static constexpr bool can_contain = K::dim == 1;
 
+  /// A point on the line.
   struct Member {
-    std::uint32_t id;
-    float offset_px = 0;  ///< beside the segment, in the last keyframe that showed both
-    S offset = S(0);      ///< the same in the first one [rad]: what is beside an edge need not have its depth
-    int hint = 0;         ///< where in its store it was found last
-    int misfits = 0;      ///< optimizations in a row that put it elsewhere
+    std::uint32_t id;     ///< of the landmark
+    float offset_px = 0;  ///< distance to the segment in the last keyframe that observed both [px]
+    /// Distance to the segment in the first such keyframe [rad]; a point beside an edge may have another depth.
+    S offset = S(0);
+    int hint = 0;     ///< last known index in its store
+    int misfits = 0;  ///< optimizations in a row after which it did not fit the line
 
-    S sigma() const { return std::hypot(tolerance, offset); }  ///< of (3)
+    S sigma() const { return std::hypot(tolerance, offset); }  ///< sigma of (3) [rad]
   };
   struct Appearance {
     FixedVector<Member, max_points> points;
@@ -65,23 +68,24 @@ struct CollinearKind : LineKind<SensorsT, Loss, CollinearObservation<typename Se
   static double cost(const Sensors& rig, const InAnchor& line, const Observation& seen, const RelativeView<S>& view) {
     return seen.from_points ? 0 : Lines::cost(rig, line, seen, view);
   }
-  static void keep_fitting(const Sensors& rig, const InAnchor& line, Observation& seen, const RelativeView<S>& view) {
-    if (!seen.from_points) Lines::keep_fitting(rig, line, seen, view);
+  static void reject_outliers(const Sensors& rig, const InAnchor& line, Observation& seen,
+                              const RelativeView<S>& view) {
+    if (!seen.from_points) Lines::reject_outliers(rig, line, seen, view);
   }
 };
 
-/// The store of the landmarks that a kind holds, among those before it.
+/// The store of a kind's members among the stores before it.
 template <class Kind, class First, class... Rest>
-const auto& held_of(const First& first, const Rest&... rest) {
-  if constexpr (Kind::template holds<typename First::Kind>) {
+const auto& member_store_of(const First& first, const Rest&... rest) {
+  if constexpr (Kind::template can_contain<typename First::Kind>) {
     return first;
   } else {
     static_assert(sizeof...(Rest) > 0, "plumbline: collinear features need points named before them");
-    return held_of<Kind>(rest...);
+    return member_store_of<Kind>(rest...);
   }
 }
 
-/// Where in its store a member is; -1 when it is gone.
+/// Index of a member in its store; -1 when the landmark was removed.
 template <class Store, class Member>
 int index_of(const Store& store, Member& member) {
   const auto& landmarks = store.landmarks();

@@ -1,8 +1,9 @@
 #pragma once
-/// What ties the points of one store to the lines of another in a window: r of residual/collinear_point.hpp for every
-/// point on a line that both take part, eliminated with the point, then with the line.
-///                                                                    docs/math/collinear.md, docs/math/solver.md (13)
-/// A point counts for one line, the nearer of two at a corner. Which one is settled before an optimization.
+/// Collinearity constraints between the points of one store and the lines of another one in a window: r of
+/// residual/collinear_point.hpp for every member of a line when both landmarks are estimated. The point is eliminated
+/// first, then the line.                                               docs/math/collinear.md, docs/math/solver.md (13)
+///
+/// A point is constrained to one line, the nearer of two at a corner; it is chosen before an optimization.
 
 #include <array>
 #include <cmath>
@@ -27,7 +28,7 @@ class CollinearTerms {
   using PointTerms = WindowTerms<PointStore>;
   using Views = typename LineTerms::Views;
 
-  /// Which line holds which point.
+  /// Chooses the line of each point.
   void choose(LineStore& lines, const PointStore& points, const Views& views) {
     ties_.clear();
     of_point_.fill(none);
@@ -52,7 +53,7 @@ class CollinearTerms {
     }
   }
 
-  /// The rows at the current state; returns their cost.
+  /// Computes the weighted rows at the current state; returns their cost.
   double linearize(const LineStore& lines, const PointStore& points, const Views& views) {
     double cost = 0;
     for (Tie& tie : ties_) {
@@ -75,7 +76,8 @@ class CollinearTerms {
     return cost;
   }
 
-  void forget_residuals() {
+  /// Sets all residuals to zero, keeping the Jacobians.
+  void clear_residuals() {
     for (Tie& tie : ties_) set_zero(tie.rows.r);
   }
 
@@ -88,8 +90,8 @@ class CollinearTerms {
     return sum / 2;
   }
 
-  /// Both landmarks of every tie were eliminated from their own rows: takes them out of these, and gives `normal` what
-  /// is left.
+  /// Eliminates point and line from the rows of every constraint, after both were eliminated from their own rows, and
+  /// adds the remaining rows on the poses to `normal`.
   template <class Normal>
   void eliminate(const LineStore& lines, LineTerms& line_terms, const PointStore& points, PointTerms& point_terms,
                  const typename LineTerms::Pairs& pairs, Normal& normal) {
@@ -120,7 +122,7 @@ class CollinearTerms {
     }
   }
 
-  /// The steps of the points, whose lines' are known; returns what that changes of the predicted decrease.
+  /// Computes the steps of the points from those of their lines; returns the change of the predicted decrease.
   template <class Vector>
   double solve(const LineTerms& line_terms, PointTerms& point_terms, const Vector& d, int stride) {
     double change = 0;
@@ -133,7 +135,7 @@ class CollinearTerms {
     return change;
   }
 
-  /// After convergence: a point that is beside its line three times in a row is on it no more.
+  /// After convergence: removes members that did not fit their line three times in a row.
   void finish(LineStore& lines, const PointStore& points, const Views& views) {
     for (auto& line : lines.landmarks()) {
       if (!line.takes_part()) continue;
@@ -150,22 +152,23 @@ class CollinearTerms {
 
  private:
   static constexpr int none = -1, line_dim = Kind::dim, pose_dim = state::Pose::dim;
-  static constexpr S max_error = S(30);  ///< whitened: beyond it a point is not tied at all
+  static constexpr S max_error = S(30);  ///< whitened error beyond which a point is not constrained
   static constexpr int max_misfits = 3;
 
   using Member = typename Kind::Member;
   template <int OtherDim>
   using Rows = BlockRows<double, 2, pose_dim, LineStore::slots, OtherDim>;
 
+  /// One constraint.
   struct Tie {
-    int line, point;  ///< where they are in their stores
+    int line, point;  ///< indices in their stores
     Member member;
-    S error;  ///< squared and whitened, when it was chosen
+    S error;  ///< squared whitened error when it was chosen
     typename CollinearPoint<S>::Linearized rows;
     Vec<double, line_dim> by_line;  ///< B of (13)
   };
 
-  /// Of (3), by sigma.
+  /// Residual of (3) divided by sigma.
   static Vec<S, 2> whitened(const auto& line, const auto& point, const Member& member, const Views& views) {
     const auto& at = point.geometry;
     const Vec<S, 3> P = line.anchor == point.anchor
@@ -176,7 +179,7 @@ class CollinearTerms {
   }
 
   FixedVector<Tie, PointStore::capacity> ties_;
-  std::array<int, PointStore::capacity> of_point_;  ///< its tie
+  std::array<int, PointStore::capacity> of_point_;  ///< index of the point's constraint
 };
 
 }  // namespace plumbline

@@ -1,8 +1,8 @@
 #pragma once
-/// The feature kinds of an estimator as one type, e.g. Features<Points<180>, Lines<60>>: capacities are part of it.
+/// List of the feature kinds of an estimator as one type, e.g. Features<Points<180>, Lines<60>>, with their capacities.
 ///
-/// An entry names its kind for a rig (`template <class Sensors> using Kind`), the capacity of its store, and under
-/// which name its options are reached (`Named`). The order counts: a kind may read the landmarks of those before it.
+/// An entry names its kind for a rig (`template <class Sensors> using Kind`), the capacity of its store, and the name
+/// of its options (`Named`). The order matters: a kind may read the landmarks of those before it.
 
 #include <cstddef>
 #include <tuple>
@@ -27,29 +27,29 @@ class LandmarkSet {
   void for_each(auto&& visit) const {
     std::apply([&](const Stores&... store) { (visit(store), ...); }, stores_);
   }
-  /// visit(store, part) with the part of a TupleOf that belongs to it.
+  /// visit(store, element) with the element of a TupleOf for that kind.
   void for_each_with(auto& tuple, auto&& visit) {
     for_each_index([&]<std::size_t I>() { visit(std::get<I>(stores_), std::get<I>(tuple)); });
   }
   void for_each_with(auto& tuple, auto&& visit) const {
     for_each_index([&]<std::size_t I>() { visit(std::get<I>(stores_), std::get<I>(tuple)); });
   }
-  /// All kinds but those whose landmarks are counted by the others that they hold.
+  /// Visits the kinds whose landmarks are no sets of members.
   void for_each_independent(auto&& visit) const {
     for_each([&]<class Store>(const Store& store) {
-      if constexpr (!HoldsOthers<typename Store::Kind>) visit(store);
+      if constexpr (!HasMembers<typename Store::Kind>) visit(store);
     });
   }
 
-  /// Mean motion of the landmarks in sight since the frame in `slot`, of those that moved less than `below` [px]; 0 of
-  /// none.
+  /// Mean motion of the landmarks in view since the frame in `slot`, without those that moved by `below` or more [px];
+  /// 0 without landmarks.
   double motion_since(int slot, double below = 1e9) const {
     double sum_px = 0;
     int count = 0;
     for_each_independent([&](const auto& store) { store.add_motion_since(slot, below, sum_px, count); });
     return count > 0 ? sum_px / count : 0;
   }
-  /// Landmarks that the latest frame sees, and the located ones of them.
+  /// Number of landmarks observed by the latest frame (seen), and of the located ones among them (tracked).
   int seen_count() const {
     int n = 0;
     for_each_independent([&](const auto& store) { n += store.seen_count(); });
@@ -60,7 +60,7 @@ class LandmarkSet {
     for_each_independent([&](const auto& store) { n += store.tracked_count(); });
     return n;
   }
-  /// Harmonic mean of the ranges of what is tracked [m]; 1 when there is nothing.
+  /// Harmonic mean of the ranges of the tracked landmarks [m]; 1 without landmarks.
   template <class S>
   S mean_depth() const {
     S inverse_sum = S(0);

@@ -1,6 +1,6 @@
 #pragma once
-/// A landmark of any kind: what is believed of it, where the frames of the window saw it, and how it looks. The kind
-/// says what its geometry, its appearance and an observation are.
+/// Landmark of any kind: its geometry, its observations by the frames of the window, and its appearance. The kind
+/// defines the types of the three.
 
 #include <array>
 #include <cstdint>
@@ -13,15 +13,15 @@ struct Landmark {
   using Observation = typename Kind::Observation;
 
   std::uint32_t id = 0;
-  int anchor = 0;                                 ///< slot of the keyframe whose camera the geometry belongs to
-  bool located = false;                           ///< the geometry is known
-  bool solved = false;                            ///< and was part of the window's last solution
-  int misses = 0;                                 ///< frames in a row that should have seen it and did not
+  int anchor = 0;                                 ///< slot of the keyframe in whose camera the geometry is expressed
+  bool located = false;                           ///< the geometry is estimated
+  bool solved = false;                            ///< it was part of the last solution of the window
+  int misses = 0;                                 ///< frames in a row in which it was searched and not found
   typename Kind::Geometry geometry;               ///< in the anchor's camera
-  typename Kind::Appearance appearance;           ///< by which it is recognized
-  std::array<Observation, Slots> observations{};  ///< in the frames of the window, by slot
-  Observation current;                            ///< in the latest frame
-  Observation previous;                           ///< in the one before
+  typename Kind::Appearance appearance;           ///< image data by which it is recognized
+  std::array<Observation, Slots> observations{};  ///< by the frames of the window, by slot
+  Observation current;                            ///< by the latest frame
+  Observation previous;                           ///< by the frame before
 
   int observation_count() const {
     int n = 0;
@@ -29,7 +29,7 @@ struct Landmark {
     return n;
   }
   const Observation& seen_by_anchor() const { return observations[static_cast<std::size_t>(anchor)]; }
-  /// Whether the window estimates it: located, and seen by a frame besides its anchor.
+  /// Whether the window estimates it: located, and observed by its anchor and by another frame.
   bool takes_part() const { return located && seen_by_anchor().valid && observation_count() >= 2; }
 };
 

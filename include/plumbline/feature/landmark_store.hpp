@@ -1,6 +1,6 @@
 #pragma once
-/// The landmarks of one kind that an estimator knows: kept, counted and forgotten, whatever they are. Finding them in
-/// images is the front end's; what they say about the frames, the terms'.
+/// Store of the landmarks of one kind: insertion, removal, counts, and operations on all of them. The front end finds
+/// them in images; the terms compute their rows.
 
 #include <algorithm>
 #include <cstddef>
@@ -13,10 +13,11 @@
 
 namespace plumbline {
 
-/// How long landmarks are remembered.
+/// When landmarks out of view are removed.
 struct StoreOptions {
-  int max_misses = 30;       ///< frames in a row that look for a landmark in vain before it is forgotten
-  int min_observations = 2;  ///< frames that saw a landmark that is kept although it is out of sight: it ties them
+  int max_misses = 30;  ///< frames in a row without finding a landmark after which it is removed
+  /// Observations below which a landmark out of view is removed; others constrain the frames.
+  int min_observations = 2;
 };
 
 template <FeatureKind KindT, int CapacityT, int Slots>
@@ -28,7 +29,7 @@ class LandmarkStore {
   using Landmarks = FixedVector<Landmark, CapacityT>;
   static constexpr int capacity = CapacityT, slots = Slots;
 
-  /// Of the latest frame: seen there, but not where its pose has it.
+  /// An observation of the latest frame that was rejected as an outlier.
   struct Rejected {
     std::uint32_t id;
     typename Kind::Place place;
@@ -40,45 +41,45 @@ class LandmarkStore {
   Landmarks& landmarks() { return landmarks_; }
   const FixedVector<Rejected, CapacityT>& rejected() const { return rejected_; }
 
-  /// Seen by the latest frame.
+  /// Number of landmarks observed by the latest frame.
   int seen_count() const {
     int n = 0;
     for (const Landmark& landmark : landmarks_) n += landmark.current.valid;
     return n;
   }
-  /// Those of them that are located.
+  /// Number of the located ones among them.
   int tracked_count() const {
     int n = 0;
     for (const Landmark& landmark : landmarks_) n += landmark.current.valid && landmark.located;
     return n;
   }
 
-  /// A new frame: what was current is now previous.
+  /// Begins a new frame: current observations become previous ones.
   void begin_frame() {
     rejected_.clear();
     for (Landmark& landmark : landmarks_) landmark.previous = landmark.current;
   }
-  /// Back to what the frame before saw, for a frame that could not be used.
+  /// Restores the observations of the frame before, for a frame that could not be used.
   void undo_frame() {
     for (Landmark& landmark : landmarks_) landmark.current = landmark.previous;
   }
-  /// Whatever the latest frame took for them, it sees none of them.
-  void lose_sight() {
+  /// Discards all observations of the latest frame.
+  void clear_current() {
     for (Landmark& landmark : landmarks_) landmark.current.valid = false;
   }
-  /// The latest frame does not see this landmark after all.
+  /// Rejects the observation of a landmark by the latest frame.
   void reject(int index) {
     Landmark& landmark = landmarks_[static_cast<std::size_t>(index)];
     landmark.current.valid = false;
     rejected_.push_back({landmark.id, landmark.current.place()});
   }
-  /// Records what the latest frame saw as observations of the frame in `slot`.
+  /// Copies the observations of the latest frame to the frame in `slot`.
   void record(int slot) {
     for (Landmark& landmark : landmarks_) landmark.observations[static_cast<std::size_t>(slot)] = landmark.current;
   }
 
-  /// A landmark first seen by the frame in `slot`; an id of its own. False when there is no room: all others are in
-  /// sight.
+  /// Adds a landmark first observed by the frame in `slot`, its anchor, and gives it a new id. False when the store is
+  /// full and all landmarks are in view.
   bool add(Landmark& landmark, int slot) {
     if (!make_room()) return false;
     landmark.id = next_id_++;
@@ -88,14 +89,14 @@ class LandmarkStore {
     return true;
   }
 
-  /// Forgets the frame in `slot` and every landmark that is anchored there.
+  /// Removes the observations of the frame in `slot`, and every landmark that is anchored there.
   void remove_frame(int slot) {
     for (std::size_t i = landmarks_.size(); i-- > 0;) {
       landmarks_[i].observations[static_cast<std::size_t>(slot)].valid = false;
       if (landmarks_[i].anchor == slot) landmarks_.swap_remove(i);
     }
   }
-  /// Forgets landmarks that cannot be of use any more.
+  /// Removes landmarks out of view by the rules of StoreOptions, and those that are not located.
   void prune() {
     for (std::size_t i = landmarks_.size(); i-- > 0;) {
       const Landmark& landmark = landmarks_[i];
@@ -106,7 +107,7 @@ class LandmarkStore {
   }
   void clear() { landmarks_.clear(); }
 
-  /// The readout time of all images turned out to be `change_s` longer than thought.
+  /// Corrects all observations for a readout time that is `change_s` longer.
   void change_readout(S change_s) {
     for (Landmark& landmark : landmarks_) {
       Kind::change_readout(landmark.geometry, landmark.seen_by_anchor(), change_s);
@@ -114,7 +115,7 @@ class LandmarkStore {
       for (auto& seen : landmark.observations) seen.change_readout(change_s);
     }
   }
-  /// All lengths become `scale` times what they were.
+  /// Multiplies all lengths by `scale`.
   void rescale(S scale) {
     for (Landmark& landmark : landmarks_) {
       Kind::rescale(landmark.geometry, scale);
@@ -123,7 +124,7 @@ class LandmarkStore {
     }
   }
 
-  /// Adds up how far the landmarks in sight moved since the frame in `slot`, if they moved less than `below` [px].
+  /// Sums the motion of the landmarks in view since the frame in `slot`, if it is less than `below` [px].
   void add_motion_since(int slot, double below, double& sum_px, int& count) const {
     for (const Landmark& landmark : landmarks_) {
       const auto& then = landmark.observations[static_cast<std::size_t>(slot)];
@@ -134,7 +135,7 @@ class LandmarkStore {
       ++count;
     }
   }
-  /// Adds up the inverse ranges of the landmarks in sight, from their anchors [1/m].
+  /// Sums the inverse ranges, from their anchors, of the tracked landmarks [1/m].
   void add_inverse_ranges(S& sum, int& count) const {
     for (const Landmark& landmark : landmarks_) {
       if (!landmark.current.valid || !landmark.located) continue;
@@ -144,8 +145,8 @@ class LandmarkStore {
   }
 
  private:
-  /// Where all places are taken, the landmark out of sight that was looked for in vain most often goes, of equals the
-  /// oldest. False when all are in sight.
+  /// Makes room in a full store: removes the landmark out of view with most misses, of equals the oldest. False when
+  /// all are in view.
   bool make_room() {
     if (!landmarks_.full()) return true;
     const auto worst = std::max_element(landmarks_.begin(), landmarks_.end(), [](const Landmark& a, const Landmark& b) {

@@ -1,7 +1,7 @@
 #pragma once
-/// An infinite line in the camera of a keyframe (the anchor), and the part of it that was seen.  docs/math/line.md
+/// Infinite line in the camera of a keyframe (the anchor), with the extent of its observed part.  docs/math/line.md
 ///
-/// In contrast to a point, no observation defines the line: the anchor's own is a measurement like all others.
+/// In contrast to a point, no observation defines the line: that of the anchor is a measurement like all others.
 
 #include <cmath>
 
@@ -15,16 +15,16 @@ namespace plumbline {
 
 template <class S>
 struct LineGeometry {
-  Line3<S> line;                               ///< from start to end
-  Mat<S, 4, 4> covariance = zeros<S, 4, 4>();  ///< of its increment, given the poses
-  Vec<S, 2> extent = zeros<S, 2>();            ///< start and end of what was seen last, see `at` [m]
+  Line3<S> line;                               ///< directed from start to end of its segment
+  Mat<S, 4, 4> covariance = zeros<S, 4, 4>();  ///< of its increment, the poses fixed
+  Vec<S, 2> extent = zeros<S, 2>();            ///< start and end of the part observed last, as in `at` [m]
 
-  /// The point of the line `along` from the one that is nearest to the camera [m].
+  /// Point of the line at the distance `along` from the point closest to the camera [m].
   Vec<S, 3> at(S along) const { return line.closest_point() + along * line.direction(); }
   Vec<S, 3> middle() const { return at((extent[0] + extent[1]) / 2); }
 
-  /// Sets the extent to what bearings [this line's camera: T_camera_anchor] of start and end see of the line; no change
-  /// where they see none of it.
+  /// Sets start and end of the extent to the points of the line beside two bearings of a camera; an end whose bearing
+  /// does not meet the line keeps its value.
   void set_extent(const SE3<S>& T_camera_anchor, const Vec<S, 3>& bearing_start, const Vec<S, 3>& bearing_end) {
     const Plucker<S> in_camera = T_camera_anchor * line.plucker();
     const SE3<S> T_anchor_camera = T_camera_anchor.inverse();
@@ -36,36 +36,38 @@ struct LineGeometry {
     }
   }
 
-  /// d(n; v)/d readout of line.plucker() [1/s]: it turns with the bearings of the anchor's segment, which have the
-  /// given
-  /// slopes.                                                                                                 (30)
-  Vec<S, 6> slope(const LineReprojection<S>& seen, const Mat<S, 3, 2>& bearing_slope) const {
+  /// d(n; v)/d readout of line.plucker() [1/s]: the line moves with the bearings of the anchor's segment, whose
+  /// derivatives are given; zero where the line is not visible.                                                    (30)
+  Vec<S, 6> derivative(const LineReprojection<S>& seen, const Mat<S, 3, 2>& bearing_derivative) const {
     const Plucker<S> plucker = line.plucker();
     Vec<S, 6> out = zeros<S, 6>();
     if (!line_visible(plucker, seen.bearing_start) || !line_visible(plucker, seen.bearing_end)) return out;
     const Vec<S, 3> p = plucker.point_along(seen.bearing_start), q = plucker.point_along(seen.bearing_end),
-                    p_slope = norm(p) * column(bearing_slope, 0), q_slope = norm(q) * column(bearing_slope, 1);
+                    p_derivative = norm(p) * column(bearing_derivative, 0),
+                    q_derivative = norm(q) * column(bearing_derivative, 1);
     const S scale = norm(plucker.v) / norm(q - p);
-    out << scale * (p_slope.cross(q) + p.cross(q_slope)), scale * (q_slope - p_slope);
+    out << scale * (p_derivative.cross(q) + p.cross(q_derivative)), scale * (q_derivative - p_derivative);
     return all_finite(out) ? out : zeros<S, 6>();
   }
+  /// Adds d to (n; v).
   void change(const Vec<S, 6>& d) {
     const Plucker<S> plucker = line.plucker();
     line = Line3<S>(Plucker<S>{plucker.n + segment<3>(d, 0), plucker.v + segment<3>(d, 3)});
   }
 
-  /// All lengths become `scale` times what they were.                                                        (32)
+  /// Multiplies all lengths by `scale`.                                                                      (32)
   void rescale(S scale) {
     const S d = line.distance();
     const Plucker<S> plucker = line.plucker();
     line = Line3<S>(Plucker<S>{scale * plucker.n, plucker.v});
     extent = scale * extent;
-    const S slope = scale * (1 + d * d) / (1 + scale * scale * d * d);
-    for (int k = 0; k < 4; ++k) covariance(k, 3) *= slope;
-    for (int k = 0; k < 4; ++k) covariance(3, k) *= slope;
+    const S derivative = scale * (1 + d * d) / (1 + scale * scale * d * d);
+    for (int k = 0; k < 4; ++k) covariance(k, 3) *= derivative;
+    for (int k = 0; k < 4; ++k) covariance(3, k) *= derivative;
   }
 
-  /// The distances of both ends of the anchor's segment are known to a third, and the line keeps clear of the camera.
+  /// Whether the inverse depths at both ends of the anchor's segment exceed three sigmas, and the line is more than 2
+  /// cm from the camera center.
   bool is_sound(const LineReprojection<S>& seen) const {
     if (!(line.distance() > S(0.02)) || !all_finite(covariance)) return false;
     const LineInverseDepth<S> ends{seen.bearing_start / seen.bearing_start.z(), seen.bearing_end / seen.bearing_end.z(),
@@ -81,7 +83,7 @@ struct LineGeometry {
   }
 
  private:
-  static constexpr S max_extent = S(1e3);  ///< [m]
+  static constexpr S max_extent = S(1e3);  ///< largest accepted |extent| [m]
 };
 
 }  // namespace plumbline

@@ -1,18 +1,18 @@
 #pragma once
 /// Feature kind: straight edges, each an infinite line in the camera of its anchor.
 ///                                                                        docs/math/line.md, docs/math/window.md
-/// In the window it gives
+/// Terms in the window, over all frames, the anchor included:
 ///   1/2 rho(|L r_endpoints|^2) + 1/2 rho(|L_z r_inverse_depths|^2)
-/// over all frames, the anchor included. In a step a landmark is held by sigma = 1 on each of its four angles     (31)
-/// against what its views leave open: one plane holds all of them, or the line is far. A landmark whose distance stays
-/// unknown after the step is dropped.
+/// In every step the increment of a landmark has a prior with sigma 1 on each of its four angles,                  (31)
+/// because views may leave some of them unobservable (all in one plane through the line, or a distant line). A landmark
+/// whose distance is not determined after the step is removed.
 ///
-/// In the estimate of one frame a landmark's own covariance C widens its residuals,
+/// In pose refinement the covariance C of a landmark is added to that of its residuals,
 ///   Sigma_r = Sigma + J_line C_w J_line^T,   C_w = M C M^T,  M = d(n_w; v_w)/d theta                            (29)
 ///
-/// The readout time of a rolling shutter moves the observation (docs/math/rolling_shutter.md):
+/// With a rolling shutter the observation depends on the readout time (docs/math/rolling_shutter.md):
 ///   dr_i/d readout = k_i nh^T db_i/d readout                                                                   (3)
-/// The depth rows neglect it: their noise is larger.
+/// The depth rows neglect it, because their noise is larger.
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,7 @@
 #include "plumbline/core/square_root_information.hpp"
 #include "plumbline/feature/feature_kind.hpp"
 #include "plumbline/feature/line_geometry.hpp"
-#include "plumbline/feature/readout_slopes.hpp"
+#include "plumbline/feature/readout_derivatives.hpp"
 #include "plumbline/feature/segment_observation.hpp"
 #include "plumbline/feature/whitened_rows.hpp"
 #include "plumbline/residual/anchored_line.hpp"
@@ -48,33 +48,36 @@ struct LineKind {
   static constexpr Loss<S> pixel_loss = loss_for<Loss, S, 2>, depth_loss = pixel_loss;
 
   struct Appearance {
-    LineProfile profile;  ///< of the latest observation that fits
-    float gradient = 0;   ///< of the same [intensity/px]
+    LineProfile profile;  ///< of the latest inlier observation
+    float gradient = 0;   ///< gradient of the same observation [intensity/px]
   };
 
   // -------------------------------------------------------------------------------------------------- geometry
 
-  /// Of the part that was seen last, in the anchor's camera [m].
+  /// Middle of the part observed last, in the camera of the anchor [m].
   static Vec<S, 3> middle(const Geometry& line) { return line.middle(); }
   static S inverse_range(const Geometry& line) { return S(1) / norm(line.middle()); }
   static void rescale(Geometry& line, S scale) { line.rescale(scale); }
   static void change_readout(Geometry& line, const Observation& seen_by_anchor, S change_s) {
     if (!seen_by_anchor.valid) return;
-    line.change(change_s * line.slope(seen_by_anchor.pixels.measured, seen_by_anchor.by_readout()));
+    line.change(change_s * line.derivative(seen_by_anchor.pixels.measured, seen_by_anchor.by_readout()));
   }
-  /// The rows that saw it did so from places of their own: what that means depends on how far away it is.
+  /// Corrects an observation by the anchor for the range of the line, see row_ranges.hpp.
   static void set_range_in_anchor(const Geometry& line, Observation& seen, S readout_s) {
     seen.set_line(line.line.plucker(), readout_s);
   }
+  /// The same for another frame.
   static void set_range(const Geometry& line, Observation& seen, const SE3<S>& T_cam_anchor, S readout_s) {
     seen.set_line(T_cam_anchor * line.line.plucker(), readout_s);
   }
-  /// They moved otherwise than was thought while they saw it.
+  /// Corrects geometry and observation for another motion of the anchor's camera during its readout, see
+  /// row_motion.hpp.
   static void set_motion_in_anchor(Geometry& line, Observation& seen, const auto& shutter, S readout_s) {
     const LineReprojection<S> before = seen.pixels.measured;
-    line.change(line.slope(before, seen.set_motion(shutter, readout_s)));
+    line.change(line.derivative(before, seen.set_motion(shutter, readout_s)));
   }
-  /// An edge shows its motion across it alone, which for edges of all directions is 2/pi of the whole on average.
+  /// Mean normal displacement of both ends times pi/2: of a motion in a random direction an edge shows the normal
+  /// component alone, on average 2/pi of it.
   static double motion_px(const Observation& then, const Observation& now) {
     constexpr double half_pi = 1.5707963267948966;
     const LineSegment& edge = now.segment;
@@ -82,8 +85,8 @@ struct LineKind {
   }
 
   static void step(Geometry& line, const Vec<S, dim>& d) { line.line = line.line.plus(d); }
-  /// After convergence: the landmark's covariance given the poses. False when it came to nothing.
-  static bool settle(Geometry& line, const Observation& seen_by_anchor, const Mat<S, dim, dim>* covariance) {
+  /// After convergence: sets the covariance, the poses fixed; null without one. False when the line is not determined.
+  static bool set_covariance(Geometry& line, const Observation& seen_by_anchor, const Mat<S, dim, dim>* covariance) {
     if (covariance) line.covariance = *covariance;
     return covariance && line.is_sound(seen_by_anchor.pixels.measured);
   }
@@ -98,37 +101,39 @@ struct LineKind {
     explicit Linearized(const Geometry& line) : LinearizedLine<S>(line.line) {}
   };
 
-  /// Weighted rows of the anchor's own observation, or their slopes; returns their cost.
+  /// Adds the weighted rows of the observation by the anchor, or their derivatives by the readout time; returns the
+  /// cost.
   template <class Rows>
   static double add_anchor(const Linearized& line, const Observation& seen, Rows& rows) {
     const Measured measured(seen, line.plucker);
-    if constexpr (TakesSlopes<Rows>) {
-      add_slopes(rows, measured, seen, line.plucker);
+    if constexpr (TakesDerivatives<Rows>) {
+      add_derivatives(rows, measured, seen, line.plucker);
     } else if (measured.rows > 0) {
       add_to(rows, measured, by_landmark(measured.lin, line));
     }
     return measured.cost;
   }
-  /// What holds the line when another frame leaves: the anchor's pixels. Its depth stays with the landmark, it must not
-  /// count twice.
+  /// Adds the pixel rows of the anchor, which determine the line when another frame is marginalized. The depth rows
+  /// stay with the landmark: they must not count twice.
   template <class Rows>
-  static void add_anchor_tie(const Linearized& line, const Observation& seen, Rows& rows) {
+  static void add_anchor_pixels(const Linearized& line, const Observation& seen, Rows& rows) {
     const Measured measured(seen.pixels, line.plucker);
-    if constexpr (TakesSlopes<Rows>) {
-      add_slopes(rows, measured, seen, line.plucker);
+    if constexpr (TakesDerivatives<Rows>) {
+      add_derivatives(rows, measured, seen, line.plucker);
     } else if (measured.rows > 0) {
       add_to(rows, measured, by_landmark(measured.lin, line));
     }
   }
-  /// Weighted rows of the observation in `slot`, another frame than the anchor, or their slopes; returns their cost.
+  /// Adds the weighted rows of the observation by the frame in `slot`, not the anchor, or their derivatives by the
+  /// readout time; returns the cost.
   template <class Rows>
   static double add_view(const Sensors&, const Linearized& line, const Observation& seen, const RelativeView<S>& view,
                          int slot, Rows& rows) {
     const Plucker<S> in_target = line_in_target(view, line.plucker);
     const Measured measured(seen, in_target);
     if (measured.rows == 0) return invalid_cost;
-    if constexpr (TakesSlopes<Rows>) {
-      add_slopes(rows, measured, seen, in_target);
+    if constexpr (TakesDerivatives<Rows>) {
+      add_derivatives(rows, measured, seen, in_target);
     } else {
       const Mat<S, rows_per_view, 6> J_pose =
           line_pose_jacobian(measured.lin, in_target, Mat<S, 3, 3>(view.R_body_cam().transpose()), view.p_body_cam());
@@ -138,7 +143,7 @@ struct LineKind {
     return measured.cost;
   }
 
-  /// (31)
+  /// Adds the rows of (31).
   template <class Rows>
   static void add_damping(Rows& rows) {
     rows.template add<dim>(identity<S, dim>(), zeros<S, dim>());
@@ -153,15 +158,14 @@ struct LineKind {
     return errors.valid ? cost_of(errors) : invalid_cost;
   }
 
-  /// Drops what does not belong. The anchor's own pixels stay: without them nothing tells where on the line it was
-  /// seen.
-  static void keep_fitting_in_anchor(const InAnchor& line, Observation& seen) {
-    keep_fitting_depth(errors_of(seen, line.plucker), seen);
+  /// Rejects outlier measurements of the anchor: depth only, since its segment defines the extent of the line.
+  static void reject_outliers_in_anchor(const InAnchor& line, Observation& seen) {
+    reject_outlier_depth(errors_of(seen, line.plucker), seen);
   }
-  static void keep_fitting(const Sensors&, const InAnchor& line, Observation& seen, const RelativeView<S>& view) {
+  static void reject_outliers(const Sensors&, const InAnchor& line, Observation& seen, const RelativeView<S>& view) {
     const Errors errors = errors_of(seen, line_in_target(view, line.plucker));
     seen.valid = errors.valid && squared_norm(errors.pixels) < drop_chi2;
-    keep_fitting_depth(errors, seen);
+    reject_outlier_depth(errors, seen);
   }
 
   // --------------------------------------------------------------------------------------------- in one frame
@@ -177,6 +181,7 @@ struct LineKind {
     return {T_world_anchor * line.line.plucker(), M * line.covariance * M.transpose(), current};
   }
 
+  /// Rows of pose refinement, whitened by (29).
   static WhitenedRows<S, 2> pixel_rows(const Sensors&, const BodyView<S>& view, const InWorld& line) {
     const LineReprojection<S>& pixels = line.seen.pixels.measured;
     const auto lin = WorldLine<LineReprojection<S>>{pixels}.linearize(view, line.line);
@@ -184,7 +189,7 @@ struct LineKind {
     return whitened(lin, line.seen.pixels.covariance, line);
   }
 
-  /// Root mean square of the same residual, before it is whitened.
+  /// Root mean square of the unwhitened residual [px].
   static double error_px(const Sensors&, const BodyView<S>& view, const InWorld& line) {
     const Vec<S, 2> r = line.seen.pixels.measured.residual(line_in_camera(view, line.line));
     return double(norm(r)) / std::sqrt(2.0);
@@ -200,14 +205,14 @@ struct LineKind {
   }
 
  private:
-  static constexpr double invalid_cost = 100;  ///< of an observation that the current state cannot explain at all
+  static constexpr double invalid_cost = 100;  ///< of an observation that is not valid at the current state
   static constexpr S drop_chi2 = S(25);        ///< whitened squared error beyond which an observation is an outlier
 
   /// Whitened errors of one observation.
   struct Errors {
     bool valid;
     Vec<S, 2> pixels;
-    Vec<S, 2> depth;  ///< zero where none was measured
+    Vec<S, 2> depth;  ///< zero without a measurement
   };
 
   static Errors errors_of(const Observation& seen, const Plucker<S>& line) {
@@ -222,15 +227,15 @@ struct LineKind {
   static double cost_of(const Errors& errors) {
     return (pixel_loss.rho(squared_norm(errors.pixels)) + depth_loss.rho(squared_norm(errors.depth))) / 2;
   }
-  static void keep_fitting_depth(const Errors& errors, Observation& seen) {
-    if (seen.has_depth() && !(squared_norm(errors.depth) < drop_chi2)) seen.forget_depth();
+  static void reject_outlier_depth(const Errors& errors, Observation& seen) {
+    if (seen.has_depth() && !(squared_norm(errors.depth) < drop_chi2)) seen.clear_depth();
   }
 
-  /// Whitened and weighted rows of what was measured of a line in one camera, chained together by who wants them.
+  /// Whitened and weighted rows of the measurements of a line in one camera, by the line in that camera.
   struct Measured {
-    int rows = 0;  ///< none where the line cannot have been seen; the others of `lin` are zero
+    int rows = 0;  ///< valid rows of `lin`; 0 where the line is not visible. The other rows are zero
     double cost = invalid_cost;
-    Mat<S, 2, 2> wL;  ///< of the pixels
+    Mat<S, 2, 2> wL;  ///< weighted L of the pixels
     CameraLineLinearization<S, rows_per_view> lin{true, zeros<S, rows_per_view>(), zeros<S, rows_per_view, 3>(),
                                                   zeros<S, rows_per_view, 3>()};
 
@@ -260,16 +265,17 @@ struct LineKind {
       rows = first + 2;
     }
   };
-  /// (3), the line being where it is in the anchor. Those of depth neglect it.
-  static void add_slopes(auto& slopes, const Measured& measured, const Observation& seen, const Plucker<S>& line) {
+  /// Adds the derivatives (3), the line in the anchor fixed; zeros for depth rows.
+  static void add_derivatives(auto& derivatives, const Measured& measured, const Observation& seen,
+                              const Plucker<S>& line) {
     const Vec<S, 3> nh = normalized(line.n);
     const Mat<S, 3, 2> by_readout = seen.by_readout();
     Vec<S, 2> r;
     for (int i = 0; i < 2; ++i) r[i] = seen.pixels.measured.px_per_rad[i] * dot(nh, column(by_readout, i));
-    if (measured.rows > 0) slopes.add_slopes(Vec<S, 2>(measured.wL * r));
-    if (measured.rows > 2) slopes.add_slopes(zeros<S, rows_per_view - 2>());
+    if (measured.rows > 0) derivatives.add_derivatives(Vec<S, 2>(measured.wL * r));
+    if (measured.rows > 2) derivatives.add_derivatives(zeros<S, rows_per_view - 2>());
   }
-  /// Where the pose matters, `slot` and J_pose come last.
+  /// Adds the valid rows; `pose`: `slot` and J_pose, for frames other than the anchor.
   template <class Rows, class... Pose>
   static void add_to(Rows& rows, const Measured& measured, const Mat<S, rows_per_view, dim>& J_line,
                      const Pose&... pose) {

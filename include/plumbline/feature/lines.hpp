@@ -1,6 +1,6 @@
 #pragma once
-/// Feature kind: straight edges, at most N landmarks. Detector finds new ones, e.g. opencv::LsdDetector<>; what does
-/// not fit is weighed by a robust kernel. Options: `options.lines`.
+/// Feature kind: straight edges, at most N landmarks, with a robust loss. Detector finds new ones, e.g.
+/// opencv::LsdDetector<>. Options: `options.lines`.
 
 #include "plumbline/feature/line_kind.hpp"
 #include "plumbline/sensor/rig.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-/// What the landmarks of one kind say about the pose of one frame, their map being given.
+/// Terms of pose refinement: rows of the landmarks of one kind by the pose of one frame, landmarks fixed.
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,7 @@ class MotionTerms {
   using S = typename Kind::Scalar;
   using Equations = DenseNormalEquations<S, state::Pose::dim>;
 
-  /// All located landmarks that the latest frame sees.
+  /// Collects the located landmarks observed by the latest frame.
   void collect(const Store& store, const auto& window, const SE3<S>& T_body_cam) {
     items_.clear();
     for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
@@ -36,7 +36,7 @@ class MotionTerms {
 
   std::size_t size() const { return items_.size(); }
 
-  /// Adds the weighted rows at a pose.
+  /// Adds the weighted rows at a pose to `system`.
   void accumulate(const Sensors& rig, const BodyView<S>& view, Equations& system) {
     errors_.clear();
     for (const Item& item : items_) {
@@ -49,9 +49,10 @@ class MotionTerms {
     }
   }
 
-  /// Takes observations that were beyond `chi2` (two degrees of freedom) where they were accumulated last out of the
-  /// frame; returns how many stay. The frame's own scale is the median of all errors: blur and rolling shutter make all
-  /// of them larger, and then all weigh less.
+  /// Rejects observations whose squared error at the last `accumulate` exceeded `chi2` (two degrees of freedom) times
+  /// the scale of the frame; returns the number of inliers. The scale is the median of all squared errors divided by
+  /// 1.386, the median of chi2(2), and at least 1: blur and rolling shutter increase all errors. Inlier sigmas are
+  /// multiplied by its square root.
   int gate(Store& store, S chi2) {
     sorted_ = errors_;
     const std::size_t middle = sorted_.size() / 2;
@@ -69,12 +70,12 @@ class MotionTerms {
     }
     return inliers;
   }
-  /// Errors that were gated last, squared, to those of features that err as they claim to.
+  /// Ratio of the squared errors to their expectation at the last `gate`, not limited to 1.
   S scale2() const { return scale2_; }
 
  private:
   struct Item {
-    int index;  ///< of the landmark in its store
+    int index;  ///< index of the landmark in its store
     typename Kind::InWorld landmark;
   };
 
@@ -87,7 +88,7 @@ class MotionTerms {
   }
 
   FixedVector<Item, Store::capacity> items_;
-  FixedVector<S, Store::capacity> errors_, sorted_;  ///< whitened and squared, of the pixels
+  FixedVector<S, Store::capacity> errors_, sorted_;  ///< squared whitened errors of the pixels
   S scale2_ = S(1);
 };
 

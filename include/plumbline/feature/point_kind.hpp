@@ -1,18 +1,18 @@
 #pragma once
 /// Feature kind: points, each an inverse range along the unit bearing of its first observation (the anchor).
 ///                                                                      docs/math/point.md, docs/math/window.md
-/// In the window it gives
+/// Terms in the window:
 ///   1/2 rho(|L r_uv|^2) + 1/2 rho(r_z^2 / sigma_z^2)
-/// over reprojections in every frame but the anchor and inverse depths measured in every frame, anchor included.
+/// over reprojections in every frame except the anchor, and measured inverse depths in every frame.
 ///
-/// In the estimate of one frame a landmark's own uncertainty widens its residual along the direction in which it would
-/// move the observation,
+/// In pose refinement the uncertainty of a landmark is added to that of its residual, along the direction in which it
+/// would move the observation,
 ///   Sigma_uv = (L^T L)^-1 + J_uv_lambda J_uv_lambda^T sigma_lambda^2
 ///   Sigma_z  = sigma_z^2 + (J_z_lambda sigma_lambda)^2
 ///   Sigma_uv^-1/2 = (I - c j j^T / |j|^2) L,  j = L J_uv_lambda sigma_lambda,  c = 1 - 1/sqrt(1 + |j|^2)       (10)
-/// so that landmarks just found from one noisy depth do not outvote those seen for long.
+/// so that new landmarks with one noisy depth do not dominate those with many observations.
 ///
-/// The readout time of a rolling shutter moves observation and anchor (docs/math/rolling_shutter.md):
+/// With a rolling shutter observation and bearing depend on the readout time (docs/math/rolling_shutter.md):
 ///   dr_uv/d readout = J_uv_P R_ja db_a/d readout - duv/d readout                                               (3)
 
 #include <algorithm>
@@ -22,7 +22,7 @@
 #include "plumbline/core/present.hpp"
 #include "plumbline/feature/feature_kind.hpp"
 #include "plumbline/feature/point_observation.hpp"
-#include "plumbline/feature/readout_slopes.hpp"
+#include "plumbline/feature/readout_derivatives.hpp"
 #include "plumbline/feature/whitened_rows.hpp"
 #include "plumbline/residual/inverse_depth_point.hpp"
 #include "plumbline/residual/world_point.hpp"
@@ -43,58 +43,61 @@ struct PointKind {
   using Appearance = PointAppearance;
   static constexpr int dim = 1;  ///< lambda
   static constexpr int rows_per_view = Sensors::has_depth ? 3 : 2, damping_rows = 0;
-  static constexpr S lambda_min = S(1e-3), lambda_max = S(20);  ///< inverse range stays in this interval [1/m]
+  static constexpr S lambda_min = S(1e-3), lambda_max = S(20);  ///< limits of the inverse range [1/m]
   static_assert(RobustLoss<Loss<S>>, "plumbline: this is no robust kernel, see solver/robust_loss.hpp");
   static constexpr Loss<S> pixel_loss = loss_for<Loss, S, 2>, depth_loss = loss_for<Loss, S, 1>;
 
   struct Geometry {
-    Vec<S, 3> bearing = Vec<S, 3>(0, 0, 1);                               ///< unit, anchor camera
-    S inverse_range = S(0);                                               ///< lambda [1/m]
-    S sigma_inverse_range = S(0);                                         ///< given the poses [1/m]
-    [[no_unique_address]] Present<RowSlope<S, 3>, Sensors::rolls> slope;  ///< of the bearing
+    Vec<S, 3> bearing = Vec<S, 3>(0, 0, 1);  ///< unit, in the anchor camera
+    S inverse_range = S(0);                  ///< lambda [1/m]
+    S sigma_inverse_range = S(0);            ///< its sigma, the poses fixed [1/m]
+    /// Of the bearing by the readout time.
+    [[no_unique_address]] Present<RowDerivative<S, 3>, Sensors::rolls> derivative;
   };
 
   // -------------------------------------------------------------------------------------------------- geometry
 
-  /// In the anchor's camera [m].
+  /// The point in the camera of the anchor [m].
   static Vec<S, 3> middle(const Geometry& point) { return point.bearing / point.inverse_range; }
   static S inverse_range(const Geometry& point) { return point.inverse_range; }
   static void rescale(Geometry& point, S scale) {
     point.inverse_range /= scale;
     point.sigma_inverse_range /= scale;
-    RowSlope<S, 3> slope = point.slope.get();
-    slope.rescale(scale);
-    point.slope.set(slope);
+    RowDerivative<S, 3> derivative = point.derivative.get();
+    derivative.rescale(scale);
+    point.derivative.set(derivative);
   }
   static void change_readout(Geometry& point, const Observation&, S change_s) {
-    point.bearing = normalized(point.bearing + change_s * point.slope.get().by_readout());
+    point.bearing = normalized(point.bearing + change_s * point.derivative.get().by_readout());
   }
-  /// The rows that saw it did so from a place of their own: what that means depends on how far away it is.
+  /// Corrects bearing and observation of the anchor for the range of the point, see row_ranges.hpp.
   static void set_range_in_anchor(Geometry& point, Observation& seen, S readout_s) {
     seen.set_inverse_range(point.inverse_range, readout_s);
-    RowSlope<S, 3> slope = point.slope.get();
-    point.bearing = normalized(point.bearing + slope.set_inverse_range(point.inverse_range, readout_s));
-    point.slope.set(slope);
+    RowDerivative<S, 3> derivative = point.derivative.get();
+    point.bearing = normalized(point.bearing + derivative.set_inverse_range(point.inverse_range, readout_s));
+    point.derivative.set(derivative);
   }
+  /// The same for the observation by another frame.
   static void set_range(const Geometry& point, Observation& seen, const SE3<S>& T_cam_anchor, S readout_s) {
     const S range = norm(T_cam_anchor * middle(point));
     if (range * lambda_max > S(1)) seen.set_inverse_range(S(1) / range, readout_s);
   }
-  /// They moved otherwise than was thought while they saw it.
+  /// Corrects bearing and observation for another motion of the anchor's camera during its readout, see row_motion.hpp.
   static void set_motion_in_anchor(Geometry& point, Observation& seen, const auto& shutter, S readout_s) {
     seen.set_motion(shutter, readout_s);
-    RowSlope<S, 3> slope = point.slope.get();
-    const RowSlope<S, 3> moved = shutter.bearing_slope(cast_to<S>(seen.pixel), point.bearing, slope.inverse_range);
-    point.bearing = normalized(point.bearing + slope.set_motion(moved, readout_s));
-    point.slope.set(slope);
+    RowDerivative<S, 3> derivative = point.derivative.get();
+    const RowDerivative<S, 3> moved =
+        shutter.bearing_derivative(cast_to<S>(seen.pixel), point.bearing, derivative.inverse_range);
+    point.bearing = normalized(point.bearing + derivative.set_motion(moved, readout_s));
+    point.derivative.set(derivative);
   }
   static double motion_px(const Observation& then, const Observation& now) { return norm(now.pixel - then.pixel); }
 
   static void step(Geometry& point, const Vec<S, dim>& d) {
     if (d[0] != S(0)) point.inverse_range = std::clamp(point.inverse_range + d[0], lambda_min, lambda_max);
   }
-  /// After convergence: the landmark's covariance given the poses. False when it came to nothing.
-  static bool settle(Geometry& point, const Observation&, const Mat<S, dim, dim>* covariance) {
+  /// After convergence: sets the covariance, the poses fixed; null without one. Always true: points are not removed.
+  static bool set_covariance(Geometry& point, const Observation&, const Mat<S, dim, dim>* covariance) {
     if (covariance) point.sigma_inverse_range = std::sqrt((*covariance)(0, 0));
     return true;
   }
@@ -104,26 +107,27 @@ struct PointKind {
   using InAnchor = Geometry;
   using Linearized = Geometry;
 
-  /// The row of the depth measured in the anchor, or its slope; returns its cost.
+  /// Adds the row of the depth measured by the anchor, or its derivative by the readout time; returns the cost.
   template <class Rows>
   static double add_anchor(const InAnchor& point, const Observation& seen, Rows& rows) {
     const InverseDepth<S>& depth = seen.depth.get();
     if (!depth.valid) return 0;
     const S r = anchor_depth_error(point, depth), w = std::sqrt(depth_loss.weight(r * r));
     const S by_lambda = w / (depth.sigma * point.bearing.z());
-    if constexpr (TakesSlopes<Rows>) {
-      const S z_slope = point.slope.get().by_readout().z();
-      rows.add_slopes(Vec<S, 1>(-by_lambda * z_slope * point.inverse_range / point.bearing.z()));
+    if constexpr (TakesDerivatives<Rows>) {
+      const S z_derivative = point.derivative.get().by_readout().z();
+      rows.add_derivatives(Vec<S, 1>(-by_lambda * z_derivative * point.inverse_range / point.bearing.z()));
     } else {
       rows.template add<1>(Mat<S, 1, 1>(by_lambda), Vec<S, 1>(w * r));
     }
     return double(depth_loss.rho(r * r)) / 2;
   }
-  /// The anchor's pixel defines the point: it is no measurement that others could lean on.
+  /// No rows: the pixel in the anchor defines the bearing and has no residual.
   template <class Rows>
-  static void add_anchor_tie(const InAnchor&, const Observation&, Rows&) {}
+  static void add_anchor_pixels(const InAnchor&, const Observation&, Rows&) {}
 
-  /// Weighted rows of the observation in `slot`, another frame than the anchor, or their slopes; returns their cost.
+  /// Adds the weighted rows of the observation by the frame in `slot`, not the anchor, or their derivatives by the
+  /// readout time; returns the cost.
   template <class Rows>
   static double add_view(const Sensors& rig, const InAnchor& point, const Observation& seen,
                          const RelativeView<S>& view, int slot, Rows& rows) {
@@ -154,12 +158,13 @@ struct PointKind {
         cost += double(depth_loss.rho(r_z * r_z)) / 2;
       }
     }
-    if constexpr (TakesSlopes<Rows>) {
-      const Vec<S, 2> uv_slope = cast_to<S>(seen.slope.get().by_readout());
-      const Vec<S, 3> P_slope = view.R_target_anchor() * point.slope.get().by_readout();
-      Vec<S, rows_per_view> slopes = J_P * P_slope;  // (3)
-      for (int k = 0; k < 2; ++k) slopes[k] -= w * (S(seen.L(k, 0)) * uv_slope[0] + S(seen.L(k, 1)) * uv_slope[1]);
-      has_depth ? rows.add_slopes(slopes) : rows.add_slopes(segment<2>(slopes, 0));
+    if constexpr (TakesDerivatives<Rows>) {
+      const Vec<S, 2> uv_derivative = cast_to<S>(seen.derivative.get().by_readout());
+      const Vec<S, 3> P_derivative = view.R_target_anchor() * point.derivative.get().by_readout();
+      Vec<S, rows_per_view> derivatives = J_P * P_derivative;  // (3)
+      for (int k = 0; k < 2; ++k)
+        derivatives[k] -= w * (S(seen.L(k, 0)) * uv_derivative[0] + S(seen.L(k, 1)) * uv_derivative[1]);
+      has_depth ? rows.add_derivatives(derivatives) : rows.add_derivatives(segment<2>(derivatives, 0));
     } else {
       for (int k = 0; k < rows_per_view; ++k) {  // chained once for all rows that share P~
         if (k >= 2 && !has_depth) break;
@@ -191,9 +196,10 @@ struct PointKind {
     return double(pixel_loss.rho(squared_norm(errors.pixel)) + depth_loss.rho(errors.depth * errors.depth)) / 2;
   }
 
-  /// Drops what does not belong.
-  static void keep_fitting_in_anchor(const InAnchor&, Observation&) {}
-  static void keep_fitting(const Sensors& rig, const InAnchor& point, Observation& seen, const RelativeView<S>& view) {
+  /// Rejects outlier observations; none in the anchor.
+  static void reject_outliers_in_anchor(const InAnchor&, Observation&) {}
+  static void reject_outliers(const Sensors& rig, const InAnchor& point, Observation& seen,
+                              const RelativeView<S>& view) {
     const Errors errors = errors_of(rig, point, seen, view);
     seen.valid = errors.valid && squared_norm(errors.pixel) < drop_chi2;
   }
@@ -202,7 +208,7 @@ struct PointKind {
 
   struct InWorld {
     Vec<S, 3> p_world;
-    Vec<S, 3> sigma_world;  ///< one standard deviation of the inverse range, as a move in the world
+    Vec<S, 3> sigma_world;  ///< displacement in the world by one sigma of the inverse range [m]
     Observation seen;
   };
   static InWorld in_world(const Geometry& point, const Observation& current, const SE3<S>& T_world_anchor) {
@@ -211,6 +217,7 @@ struct PointKind {
     return {T_world_anchor * p_cam, T_world_anchor.rotation() * sigma_cam, current};
   }
 
+  /// Rows of pose refinement, whitened by (10).
   static WhitenedRows<S, 2> pixel_rows(const Sensors& rig, const BodyView<S>& view, const InWorld& point) {
     const Observation& seen = point.seen;
     const auto lin = PointReprojection<Camera>{cast_to<S>(seen.uv)}.linearize(rig.vision.camera, view, point.p_world);
@@ -229,7 +236,7 @@ struct PointKind {
     return WhitenedRows<S, 2>::of(W, lin.r, lin.J_r_pose);
   }
 
-  /// Of the same residual, before it is whitened.
+  /// Norm of the unwhitened residual [px].
   static double error_px(const Sensors& rig, const BodyView<S>& view, const InWorld& point) {
     const auto lin =
         PointReprojection<Camera>{cast_to<S>(point.seen.uv)}.linearize(rig.vision.camera, view, point.p_world);
@@ -249,14 +256,14 @@ struct PointKind {
   }
 
  private:
-  static constexpr double invalid_cost = 100;  ///< of an observation that the current state cannot explain at all
+  static constexpr double invalid_cost = 100;  ///< of an observation that is not valid at the current state
   static constexpr S drop_chi2 = S(25);        ///< whitened squared error beyond which an observation is an outlier
 
-  /// Whitened errors of one observation besides the anchor's.
+  /// Whitened errors of one observation by a frame other than the anchor.
   struct Errors {
     bool valid = false;
     Vec<S, 2> pixel = zeros<S, 2>();
-    S depth = S(0);  ///< zero where none was measured
+    S depth = S(0);  ///< zero without a measurement
   };
 
   static Vec<S, 2> whitened(const Observation& seen, const Vec<S, 2>& r) {
@@ -278,7 +285,7 @@ struct PointKind {
     return out;
   }
 
-  /// The first R rows, by the frame's pose and lambda.
+  /// Adds the first R rows, by the pose of the frame and lambda.
   template <int R, class Rows>
   static void add_top(const RelativeView<S>& view, int slot, const Vec<S, 3>& P, S lambda,
                       const Mat<S, rows_per_view, 3>& J_P, const Vec<S, rows_per_view>& J_lambda,

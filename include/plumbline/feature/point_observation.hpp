@@ -1,5 +1,5 @@
 #pragma once
-/// Where a point was seen in one frame.                                                       docs/math/point.md
+/// Observation of a point by one frame.                                                       docs/math/point.md
 
 #include <cmath>
 
@@ -14,40 +14,41 @@ template <class S, bool has_depth, bool rolls>
 struct PointObservation {
   bool valid = false;
   Vec<float, 2> pixel = zeros<float, 2>();  ///< in the image [px]
-  Vec<float, 2> uv = zeros<float, 2>();     ///< in the middle of the frame, see RollingShutter [px]
-  [[no_unique_address]] Present<RowSlope<float, 2>, rolls> slope;   ///< of uv
+  Vec<float, 2> uv = zeros<float, 2>();     ///< corrected to the middle of the frame, see RollingShutter [px]
+  [[no_unique_address]] Present<RowDerivative<float, 2>, rolls> derivative;  ///< of uv by the readout time
   Mat<float, 2, 2> L = identity<float, 2>();                        ///< L^T L is the information of uv [1/px^2]
-  [[no_unique_address]] Present<InverseDepth<S>, has_depth> depth;  ///< of the pixel, where there is one
+  [[no_unique_address]] Present<InverseDepth<S>, has_depth> depth;  ///< measured depth at the pixel
 
   const Vec<float, 2>& place() const { return pixel; }
-  /// All errors are `scale` times those expected.
+  /// Multiplies the sigma of uv by `scale`.
   void scale_sigma(S scale) { L = L / float(scale); }
-  /// The readout time turned out to be `change_s` longer.
-  void change_readout(S change_s) { uv += float(change_s) * slope.get().by_readout(); }
-  /// The point was found to be that far from this frame's camera.
+  /// Corrects uv for a readout time that is `change_s` longer.
+  void change_readout(S change_s) { uv += float(change_s) * derivative.get().by_readout(); }
+  /// Corrects uv for another inverse range of the point from this camera [1/m].
   void set_inverse_range(S lambda, S readout_s) {
-    RowSlope<float, 2> changed = slope.get();
+    RowDerivative<float, 2> changed = derivative.get();
     uv += changed.set_inverse_range(float(lambda), float(readout_s));
-    slope.set(changed);
+    derivative.set(changed);
   }
-  /// The camera was found to have moved as this frame's shutter says.
+  /// Corrects uv for another motion of the camera during the readout, that of `shutter`.
   void set_motion(const auto& shutter, S readout_s) {
-    RowSlope<float, 2> changed = slope.get();
-    const RowSlope<S, 2> moved = shutter.still(cast_to<S>(pixel), S(changed.inverse_range)).slope;
-    uv += changed.set_motion({cast_to<float>(moved.by_turn), cast_to<float>(moved.by_shift), changed.inverse_range},
-                             float(readout_s));
-    slope.set(changed);
+    RowDerivative<float, 2> changed = derivative.get();
+    const RowDerivative<S, 2> moved = shutter.still(cast_to<S>(pixel), S(changed.inverse_range)).derivative;
+    uv += changed.set_motion(
+        {cast_to<float>(moved.by_rotation), cast_to<float>(moved.by_translation), changed.inverse_range},
+        float(readout_s));
+    derivative.set(changed);
   }
-  /// All lengths become `scale` times what they were.
+  /// Multiplies all lengths by `scale`.
   void rescale(S scale) {
-    RowSlope<float, 2> changed = slope.get();
+    RowDerivative<float, 2> changed = derivative.get();
     changed.rescale(float(scale));
-    slope.set(changed);
+    derivative.set(changed);
   }
 };
 
-/// L of  Sigma = sigma_px^2 I + sigma_intensity^2 H^-1,  H the information that an alignment measured.           (11)
-/// Edges are known across and unknown along: what is not measured does not count.
+/// L, upper triangular, of  Sigma = sigma_px^2 I + sigma_intensity^2 H^-1,  H the information of an alignment.     (11)
+/// Along an edge the information H, and so the weight, is small.
 inline Mat<float, 2, 2> whitening_of(const Mat<float, 2, 2>& information_per_intensity, float sigma_px,
                                      float sigma_intensity) {
   const Mat<float, 2, 2>& A = information_per_intensity;

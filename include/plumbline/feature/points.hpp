@@ -1,6 +1,5 @@
 #pragma once
-/// Feature kind: corner points, at most N landmarks, what does not fit being weighed by a robust kernel. Options:
-/// `options.points`.
+/// Feature kind: corner points, at most N landmarks, with a robust loss. Options: `options.points`.
 
 #include "plumbline/feature/point_kind.hpp"
 #include "plumbline/sensor/rig.hpp"

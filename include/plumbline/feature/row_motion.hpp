@@ -1,7 +1,7 @@
 #pragma once
-/// How a camera with a rolling shutter moved while one frame was read. Where images alone tell, that is known when the
-/// frame has a pose, and for good when the next one has: its rows are then brought to the middle of the frame anew.
-///                                                                        docs/math/rolling_shutter.md (1c), (1f)
+/// Correction of observations for the motion of a camera with a rolling shutter during one frame. Without an IMU the
+/// motion is estimated from the pose of the frame and, for keyframes, that of the next frame; observations are then
+/// corrected to the middle of the frame again.                                  docs/math/rolling_shutter.md (1c), (1f)
 
 #include <cstddef>
 #include <type_traits>
@@ -11,7 +11,7 @@
 
 namespace plumbline {
 
-/// In the latest frame, that of `view`.
+/// Observations of the latest frame, that of `view`.
 template <SensorRig Sensors>
 void set_motion(auto& landmarks, const View<Sensors>& view, typename Sensors::Scalar readout_s) {
   if constexpr (Sensors::rolls) {
@@ -23,7 +23,7 @@ void set_motion(auto& landmarks, const View<Sensors>& view, typename Sensors::Sc
   }
 }
 
-/// In the frame of `slot`, whose shutter is that of `then`.
+/// Observations of the frame in `slot`, whose shutter is that of `then`.
 template <SensorRig Sensors>
 void set_motion(auto& landmarks, int slot, const View<Sensors>& then, typename Sensors::Scalar readout_s) {
   if constexpr (Sensors::rolls) {

@@ -1,7 +1,7 @@
 #pragma once
-/// How far the landmarks are from where the rows of a rolling shutter saw them. It decides what the way of the camera
-/// during one readout means for an observation: brought to the middle of the frame before its landmark had a place in
-/// space, or another, it is brought there anew.                                      docs/math/rolling_shutter.md
+/// Correction of observations for the range of their landmarks, with a rolling shutter. The translation of the camera
+/// during the readout displaces an observation in proportion to the inverse range; when that is estimated for the first
+/// time, or changes, the observation is corrected to the middle of the frame again.   docs/math/rolling_shutter.md (1b)
 
 #include <array>
 #include <cstddef>
@@ -13,8 +13,8 @@
 
 namespace plumbline {
 
-/// Of the latest frame, where the body is at T_world_body; with `all` in the frames of the window and in the anchors,
-/// too.
+/// Corrects the observations of the latest frame, with the body at T_world_body; with `all` also those of the frames of
+/// the window, anchors included.
 template <class Store, class S = typename Store::S>
 void set_ranges(Store& store, const auto& window, const SE3<typename Store::S>& T_world_body,
                 const SE3<typename Store::S>& T_body_cam, typename Store::S readout_s, bool all) {
@@ -40,7 +40,7 @@ void set_ranges(Store& store, const auto& window, const SE3<typename Store::S>& 
   }
 }
 
-/// The same of all kinds; nothing where all rows are read at once.
+/// The same for all kinds; no operation with a global shutter.
 template <SensorRig Sensors, class S = typename Sensors::Scalar>
 void set_ranges(auto& landmarks, const auto& window, const View<Sensors>& view,
                 const SE3<typename Sensors::Scalar>& T_world_body, typename Sensors::Scalar readout_s, bool all) {

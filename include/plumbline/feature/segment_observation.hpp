@@ -1,5 +1,5 @@
 #pragma once
-/// Where a line was seen in one frame: the segment, its appearance, and the depth beside it.  docs/math/line.md
+/// Observation of a line by one frame: the segment, its appearance, and the measured depth.   docs/math/line.md
 
 #include <array>
 #include <cstddef>
@@ -16,8 +16,8 @@
 
 namespace plumbline {
 
-/// Covariance [px^2] of (9) at both ends of a segment through `peaks` places with independent errors of `rms_px` each,
-/// on top of `sigma_px` that no number of places averages out.                                               (28)
+/// Covariance [px^2] of (9) at both ends of a segment that is fitted to `peaks` edge points with independent errors of
+/// `rms_px` each, plus a common error of `sigma_px`.                                                         (28)
 inline Mat<float, 2, 2> endpoint_covariance(float sigma_px, float rms_px, float peaks) {
   const float floor = sigma_px * sigma_px, q = rms_px * rms_px / peaks;
   Mat<float, 2, 2> covariance;
@@ -25,7 +25,7 @@ inline Mat<float, 2, 2> endpoint_covariance(float sigma_px, float rms_px, float 
   return covariance;
 }
 
-/// Two numbers of a line that were measured, at the start and at the end of its segment.
+/// Measurement of a line at the two ends of its segment, with its covariance.
 template <class Measurement>
 struct SegmentMeasurement {
   using S = typename Measurement::Scalar;
@@ -33,7 +33,7 @@ struct SegmentMeasurement {
   bool valid = false;
   Measurement measured{zeros<S, 3>(), zeros<S, 3>(), zeros<S, 2>()};
   Mat<S, 2, 2> covariance = zeros<S, 2, 2>();
-  Mat<S, 2, 2> L = zeros<S, 2, 2>();  ///< L^T L is its inverse
+  Mat<S, 2, 2> L = zeros<S, 2, 2>();  ///< L^T L is the inverse covariance
 
   SegmentMeasurement() = default;
   /// Not valid where the covariance is not positive definite.
@@ -47,10 +47,10 @@ struct SegmentMeasurement {
   }
 };
 
-/// Of edges that are followed by their looks.
+/// Image profile of an edge, for kinds that are tracked by appearance.
 template <bool has_profile>
 struct SeenProfile {
-  LineProfile profile;  ///< its appearance in the image
+  LineProfile profile;  ///< intensity profile across the edge
 };
 template <>
 struct SeenProfile<false> {};
@@ -58,26 +58,26 @@ struct SeenProfile<false> {};
 template <class S, bool depth_is_measured, bool rolls_, bool has_profile = true>
 struct SegmentObservation : SeenProfile<has_profile> {
   static constexpr bool measures_depth = depth_is_measured, rolls = rolls_;
-  using Slopes = std::array<RowSlope<S, 3>, 2>;  ///< of the bearings of start and end
+  using Derivatives = std::array<RowDerivative<S, 3>, 2>;  ///< of the bearings of start and end by the readout time
 
   bool valid = false;
-  LineSegment segment;                             ///< in the image
-  SegmentMeasurement<LineReprojection<S>> pixels;  ///< in the middle of the frame, see RollingShutter [px]
-  [[no_unique_address]] Present<Slopes, rolls> slopes;
+  LineSegment segment;                             ///< as measured in the image [px]
+  SegmentMeasurement<LineReprojection<S>> pixels;  ///< corrected to the middle of the frame, see RollingShutter [px]
+  [[no_unique_address]] Present<Derivatives, rolls> derivatives;
   [[no_unique_address]] Present<SegmentMeasurement<LineInverseDepth<S>>, depth_is_measured> depth;  ///< [1/m]
 
   const LineSegment& place() const { return segment; }
   bool has_depth() const { return depth.get().valid; }
 
-  /// Inverse depths at start and end [1/m]; none where the covariance is not positive definite.
+  /// Sets the inverse depths at start and end [1/m]; not valid where the covariance is not positive definite.
   void set_depth(const Vec<S, 2>& inverse_depth, const Mat<S, 2, 2>& covariance) {
     const LineReprojection<S>& seen = pixels.measured;
-    if (!(seen.bearing_start.z() > S(0) && seen.bearing_end.z() > S(0))) return forget_depth();
+    if (!(seen.bearing_start.z() > S(0) && seen.bearing_end.z() > S(0))) return clear_depth();
     depth.set({rays_with(seen, inverse_depth), covariance});
   }
-  void forget_depth() { depth.set({}); }
+  void clear_depth() { depth.set({}); }
 
-  /// All errors of the pixels are `scale` times those expected.
+  /// Multiplies the sigmas of the pixels by `scale`.
   void scale_sigma(S scale) {
     pixels.covariance = pixels.covariance * (scale * scale);
     pixels.L = pixels.L / scale;
@@ -85,55 +85,59 @@ struct SegmentObservation : SeenProfile<has_profile> {
 
   /// d bearing/d readout of start and end [1/s].
   Mat<S, 3, 2> by_readout() const {
-    const Slopes& both = slopes.get();
+    const Derivatives& both = derivatives.get();
     Mat<S, 3, 2> out;
     out << both[0].by_readout(), both[1].by_readout();
     return out;
   }
-  /// The readout time turned out to be `change_s` longer.
+  /// Corrects both bearings for a readout time that is `change_s` longer.
   void change_readout(S change_s) {
     if (!valid) return;
-    const Mat<S, 3, 2> slope = by_readout();
-    turn(change_s * column(slope, 0), change_s * column(slope, 1));
+    const Mat<S, 3, 2> derivative = by_readout();
+    move_bearings(change_s * column(derivative, 0), change_s * column(derivative, 1));
   }
-  /// The line was found to be this one, in this frame's camera.
+  /// Corrects both bearings for the ranges of the line, given in the camera of this frame.
   void set_line(const Plucker<S>& line, S readout_s) {
     if (!valid) return;
     const LineReprojection<S>& seen = pixels.measured;
-    Slopes both = slopes.get();
-    const auto change = [&](RowSlope<S, 3>& slope, const Vec<S, 3>& bearing) {
+    Derivatives both = derivatives.get();
+    const auto change = [&](RowDerivative<S, 3>& derivative, const Vec<S, 3>& bearing) {
       if (!line_visible(line, bearing)) return zeros<S, 3>();
       const S lambda = S(1) / norm(line.point_along(bearing));
-      return lambda > S(0) && lambda < max_inverse_range ? slope.set_inverse_range(lambda, readout_s) : zeros<S, 3>();
+      return lambda > S(0) && lambda < max_inverse_range ? derivative.set_inverse_range(lambda, readout_s)
+                                                         : zeros<S, 3>();
     };
     const Vec<S, 3> start = change(both[0], seen.bearing_start), end = change(both[1], seen.bearing_end);
-    slopes.set(both);
-    turn(start, end);
+    derivatives.set(both);
+    move_bearings(start, end);
   }
-  /// The camera was found to have moved as this frame's shutter says; returns how the bearings of start and end change.
+  /// Corrects both bearings for another motion of the camera during the readout, that of `shutter`; returns their
+  /// changes.
   Mat<S, 3, 2> set_motion(const auto& shutter, S readout_s) {
     const LineReprojection<S>& seen = pixels.measured;
-    Slopes both = slopes.get();
-    const auto change = [&](RowSlope<S, 3>& slope, const Vec<float, 2>& pixel, const Vec<S, 3>& bearing) {
-      return slope.set_motion(shutter.bearing_slope(cast_to<S>(pixel), bearing, slope.inverse_range), readout_s);
+    Derivatives both = derivatives.get();
+    const auto change = [&](RowDerivative<S, 3>& derivative, const Vec<float, 2>& pixel, const Vec<S, 3>& bearing) {
+      return derivative.set_motion(shutter.bearing_derivative(cast_to<S>(pixel), bearing, derivative.inverse_range),
+                                   readout_s);
     };
     Mat<S, 3, 2> out;
     out << change(both[0], segment.start, seen.bearing_start), change(both[1], segment.end, seen.bearing_end);
-    slopes.set(both);
-    turn(column(out, 0), column(out, 1));
+    derivatives.set(both);
+    move_bearings(column(out, 0), column(out, 1));
     return out;
   }
-  /// All lengths become `scale` times what they were.
+  /// Multiplies all lengths by `scale`.
   void rescale(S scale) {
-    Slopes both = slopes.get();
-    for (RowSlope<S, 3>& slope : both) slope.rescale(scale);
-    slopes.set(both);
+    Derivatives both = derivatives.get();
+    for (RowDerivative<S, 3>& derivative : both) derivative.rescale(scale);
+    derivatives.set(both);
   }
 
  private:
-  static constexpr S max_inverse_range = S(20);  ///< [1/m]
+  static constexpr S max_inverse_range = S(20);  ///< largest accepted inverse range [1/m]
 
-  void turn(const Vec<S, 3>& start, const Vec<S, 3>& end) {
+  /// Adds changes to the bearings of start and end.
+  void move_bearings(const Vec<S, 3>& start, const Vec<S, 3>& end) {
     LineReprojection<S>& seen = pixels.measured;
     seen.bearing_start = normalized(seen.bearing_start + start);
     seen.bearing_end = normalized(seen.bearing_end + end);
@@ -142,6 +146,7 @@ struct SegmentObservation : SeenProfile<has_profile> {
     moved.measured = rays_with(seen, moved.measured.inverse_depth_measured);
     depth.set(moved);
   }
+  /// Measurement of inverse depths on the rays of a segment.
   static LineInverseDepth<S> rays_with(const LineReprojection<S>& seen, const Vec<S, 2>& inverse_depth) {
     return {seen.bearing_start / seen.bearing_start.z(), seen.bearing_end / seen.bearing_end.z(), inverse_depth};
   }

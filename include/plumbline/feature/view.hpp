@@ -1,5 +1,5 @@
 #pragma once
-/// What front ends are given of one frame: the images, where they were taken, and what the sensor measured besides.
+/// Input of a front end for one frame: the previous and the current image, their poses, and the sensor data.
 
 #include <cstdint>
 
@@ -20,18 +20,19 @@ struct View {
   using S = typename Sensors::Scalar;
 
   TimeNs t_ns;  ///< of the current frame
-  S dt;         ///< since the frame before [s]
+  S dt;         ///< since the previous frame [s]
   const Sensors& rig;
-  const RigPyramid<Sensors>& previous;  ///< of the last image that was kept
+  const RigPyramid<Sensors>& previous;  ///< pyramid of the last image that was used
   const RigPyramid<Sensors>& current;
   ImageView<const std::uint16_t> depth;  ///< of the current frame; empty without a depth sensor or depth image
-  SE3<S> T_world_previous;               ///< of the body, when the previous image was taken
+  SE3<S> T_world_previous;               ///< pose of the body at the previous image
   SE3<S> T_body_cam;
   typename Sensors::Shutter::template Model<typename Sensors::Camera> shutter;  ///< of the current frame
 
   const typename Sensors::Camera& camera() const { return rig.vision.camera; }
 
-  /// The body moves so, in its own axes [rad/s, m/s], and what the camera sees is `range` away where that is not known.
+  /// Sets the motion of the body, in its own axes [rad/s, m/s], and the range of the scene [m] for features without
+  /// one.
   void set_motion(const Vec<S, 3>& angular_rate, const Vec<S, 3>& velocity, S range) {
     const SO3<S> R_cam_body = T_body_cam.rotation().inverse();
     const Vec<S, 3> v = velocity + Vec<S, 3>(angular_rate.cross(T_body_cam.p()));

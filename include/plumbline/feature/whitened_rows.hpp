@@ -1,5 +1,5 @@
 #pragma once
-/// Rows of a residual, whitened, by the pose of a frame.
+/// Whitened rows of a residual by the pose of a frame.
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/state/block.hpp"
@@ -14,7 +14,7 @@ struct WhitenedRows {
   Vec<S, Rows> r;
   Mat<S, Rows, dim> J;
 
-  /// r <- W r, J <- W J.
+  /// Rows W r, W J.
   static WhitenedRows of(const Mat<S, Rows, Rows>& W, const Vec<S, Rows>& r, const Mat<S, Rows, dim>& J) {
     WhitenedRows out;
     out.valid = true;

@@ -1,8 +1,8 @@
 #pragma once
-/// What the landmarks of one kind add to a window's cost: their rows, eliminated one landmark at a time.
+/// Terms of a window: rows of the landmarks of one kind by poses and landmarks, eliminated one landmark at a time.
 ///                                                                                          docs/math/window.md
-/// A kind may hold a landmark in a step by rows against what its views leave open (`add_damping`). That moves no
-/// minimum and never goes into a prior.
+/// A kind may add rows on the increment of a landmark (`add_damping`) against unobservable directions. They do not
+/// change the minimum and are never part of a prior.
 
 #include <array>
 #include <cmath>
@@ -14,7 +14,7 @@
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/present.hpp"
 #include "plumbline/feature/landmark_store.hpp"
-#include "plumbline/feature/readout_slopes.hpp"
+#include "plumbline/feature/readout_derivatives.hpp"
 #include "plumbline/feature/window_views.hpp"
 #include "plumbline/solver/anchored_products.hpp"
 #include "plumbline/solver/landmark_elimination.hpp"
@@ -34,7 +34,7 @@ class WindowTerms {
   static constexpr int max_rows = Kind::rows_per_view * slots + Kind::damping_rows;
   using Elimination = LandmarkElimination<S, Kind::dim, state::Pose::dim, slots, max_rows>;
   using Pairs = typename Elimination::Pairs;
-  using Slopes = std::conditional_t<Sensors::rolls, ReadoutSlopes<S, max_rows>, NoSlopes>;
+  using Derivatives = std::conditional_t<Sensors::rolls, ReadoutDerivatives<S, max_rows>, NoReadoutDerivatives>;
   using Products = AnchoredProducts<double, state::Pose::dim, slots>;
 
   /// Linearizes all landmarks at the current state, adds their rows to `pairs` and returns their cost.
@@ -50,8 +50,8 @@ class WindowTerms {
     return cost;
   }
 
-  /// Eliminates the landmarks of one anchor with damping `mu`: what is taken from the normal equations for them, which
-  /// have too much from `pairs`.
+  /// Eliminates the landmarks of one anchor with damping `mu`; `products` is to be subtracted from the normal
+  /// equations, which contain the full products of their rows from `pairs`. False when a landmark is singular.
   bool eliminate(const Store& store, S mu, int anchor, Products& products) {
     for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
       Elimination& landmark = eliminations_[i];
@@ -61,7 +61,7 @@ class WindowTerms {
     }
     return true;
   }
-  /// The same of all, where there is one kind alone.
+  /// The same for all anchors, for a single kind.
   template <class Equations>
   bool eliminate(const Store& store, S mu, const Pairs& pairs, Equations& equations) {
     Products products;
@@ -73,8 +73,8 @@ class WindowTerms {
     return true;
   }
 
-  /// The landmarks' steps that belong to the frames' step d, whose blocks are `stride` numbers long; returns what they
-  /// add to the predicted decrease.
+  /// Computes the steps of the landmarks from the step d of the frames, with blocks of `stride` numbers; returns their
+  /// part of the predicted decrease.
   template <class Vector>
   double solve(const Store& store, const Pairs& pairs, const Vector& d, int stride) {
     double predicted = 0;
@@ -92,12 +92,12 @@ class WindowTerms {
     return predicted;
   }
 
-  // Of landmarks that others are tied to, or that are tied themselves (feature/collinear_terms.hpp).
+  // For constraints between landmarks (feature/collinear_terms.hpp).
 
   Elimination& elimination(int index) { return eliminations_[static_cast<std::size_t>(index)]; }
   const Vec<S, Kind::dim>& step_of(int index) const { return steps_[static_cast<std::size_t>(index)]; }
-  /// The step once more, of rows that know the step of another landmark, `by_other`; returns what that changes of the
-  /// predicted decrease.
+  /// Computes the step of a landmark again, with the contribution `by_other` of another landmark's step; returns the
+  /// change of the predicted decrease.
   template <class Vector>
   double solve_again(int index, const Vector& d, int stride, const Vec<double, Kind::dim>& by_other) {
     const Elimination& landmark = elimination(index);
@@ -107,7 +107,7 @@ class WindowTerms {
     return landmark.predicted_decrease(step) - before;
   }
 
-  /// Makes those steps; `restore` takes them back.
+  /// Applies the steps; `restore` undoes them.
   void step(Store& store) {
     for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
       Landmark& landmark = store.landmarks()[i];
@@ -135,8 +135,8 @@ class WindowTerms {
     return sum;
   }
 
-  /// After convergence: drops observations that do not belong and landmarks that came to nothing, and gives the others
-  /// their covariance, the frames being given. Linearizes what is left, and adds its rows to `pairs`.
+  /// After convergence: rejects outlier observations, discards landmarks that are not determined, and sets the
+  /// covariance of the others, the frames fixed. Linearizes the rest and adds its rows to `pairs`.
   void finish(const Sensors& rig, Store& store, const auto& window, const Views& views, Pairs& pairs) {
     for_each(store, [&](Landmark& landmark, Elimination& rows) {
       rows.reset();
@@ -147,16 +147,16 @@ class WindowTerms {
         auto& seen = landmark.observations[slot];
         if (!seen.valid || !window[slot].used) continue;
         if (slot == landmark.anchor) {
-          Kind::keep_fitting_in_anchor(in_anchor, seen);
+          Kind::reject_outliers_in_anchor(in_anchor, seen);
         } else {
-          Kind::keep_fitting(rig, in_anchor, seen, views(landmark.anchor, slot));
+          Kind::reject_outliers(rig, in_anchor, seen, views(landmark.anchor, slot));
         }
       }
       add_rows(rig, landmark, window, views, rows);
       Kind::add_damping(rows);
       Mat<S, Kind::dim, Kind::dim> covariance;
       const bool known = rows.covariance(covariance);
-      if (!Kind::settle(landmark.geometry, landmark.seen_by_anchor(), known ? &covariance : nullptr)) {
+      if (!Kind::set_covariance(landmark.geometry, landmark.seen_by_anchor(), known ? &covariance : nullptr)) {
         landmark.located = landmark.current.valid = false;
       }
       landmark.solved = landmark.takes_part();
@@ -168,26 +168,26 @@ class WindowTerms {
     });
   }
 
-  /// After `finish` and an elimination: the slopes of all rows by the readout time take the place of their residuals,
-  /// so that one more elimination gives its part of the normal equations.                 rolling_shutter.md (4)
+  /// After `finish` and an elimination: replaces the residuals of all rows by their derivatives by the readout time, so
+  /// that another elimination gives the column of the readout time.                    docs/math/rolling_shutter.md (4)
   void exchange_residuals(const Sensors& rig, const Store& store, const auto& window, const Views& views, Pairs& pairs,
                           ReadoutBorder& border) {
     for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
       Elimination& rows = eliminations_[i];
       if (rows.rows() == 0) continue;
-      Slopes slopes;
-      add_views(rig, store.landmarks()[i], window, views, slopes);
+      Derivatives derivatives;
+      add_views(rig, store.landmarks()[i], window, views, derivatives);
       gradients_[i] = rows.eliminated();
       for (int k = 0; k < rows.rows(); ++k) {
-        const S slope = std::isfinite(slopes[k]) ? slopes[k] : S(0);  // which would say nothing
-        border.information += double(slope) * double(slope);
-        border.gradient += double(slope) * double(rows.residual(k));
-        rows.set_residual(k, slope);
+        const S derivative = std::isfinite(derivatives[k]) ? derivatives[k] : S(0);  // no information
+        border.information += double(derivative) * double(derivative);
+        border.gradient += double(derivative) * double(rows.residual(k));
+        rows.set_residual(k, derivative);
       }
       rows.add_to(pairs);
     }
   }
-  /// After that elimination: what the landmarks took of it.
+  /// After that elimination: subtracts the part of the eliminated landmarks.
   void subtract_eliminated(const Store& store, ReadoutBorder& border) const {
     for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
       const Elimination& rows = eliminations_[i];
@@ -197,10 +197,11 @@ class WindowTerms {
     }
   }
 
-  /// Gives `take` what would be lost with the frame in `slot`, landmark by landmark: all rows of those anchored in it;
-  /// of the others, which stay, the rows of their observation there, with a landmark of its own. That forgets how the
-  /// observation refined the landmark, but not how it ties the two frames together. Residuals are those of the current
-  /// state. A landmark that was located since the last solution says nothing: nobody has judged it yet.
+  /// take(rows, derivatives) for each landmark with rows that are lost when the frame in `slot` is marginalized: all
+  /// rows of landmarks anchored in it; of other landmarks, which remain, the rows of the observation by this frame,
+  /// with a copy of the landmark as their unknown. The information on the landmark itself is lost, that between the two
+  /// frames is kept. Residuals are those of the current state. Landmarks located since the last solution are skipped:
+  /// their observations were not checked for outliers.
   void for_each_leaving(int slot, const Sensors& rig, const Store& store, const auto& window, const Views& views,
                         auto&& take) {
     for_each(store, [&](const Landmark& landmark, Elimination& rows) {
@@ -208,9 +209,9 @@ class WindowTerms {
       rows.reset(landmark.anchor);
       add_leaving(slot, rig, landmark, window, views, rows);
       if (rows.rows() == 0) return;
-      Slopes slopes;
-      if constexpr (Sensors::rolls) add_leaving(slot, rig, landmark, window, views, slopes);
-      take(std::as_const(rows), std::as_const(slopes));
+      Derivatives derivatives;
+      if constexpr (Sensors::rolls) add_leaving(slot, rig, landmark, window, views, derivatives);
+      take(std::as_const(rows), std::as_const(derivatives));
     });
   }
 
@@ -219,13 +220,13 @@ class WindowTerms {
     for (std::size_t i = 0; i < store.landmarks().size(); ++i) visit(store.landmarks()[i], eliminations_[i]);
   }
 
-  /// All rows of one landmark, whitened and weighted. Returns their cost.
+  /// Adds all rows of one landmark, whitened and weighted; returns their cost.
   double add_rows(const Sensors& rig, const Landmark& landmark, const auto& window, const Views& views,
                   Elimination& rows) const {
     rows.reset(landmark.anchor);
     return add_views(rig, landmark, window, views, rows);
   }
-  /// The same, or their slopes, to what is empty.
+  /// The same for empty `rows`, of either type: rows or derivatives.
   static double add_views(const Sensors& rig, const Landmark& landmark, const auto& window, const Views& views,
                           auto& rows) {
     const typename Kind::Linearized linearized(landmark.geometry);
@@ -238,7 +239,7 @@ class WindowTerms {
     }
     return cost;
   }
-  /// Those that would be lost with the frame in `slot`, or their slopes.
+  /// Adds the rows that are lost with the frame in `slot`, or their derivatives.
   static void add_leaving(int slot, const Sensors& rig, const Landmark& landmark, const auto& window,
                           const Views& views, auto& rows) {
     if (landmark.anchor == slot) {
@@ -248,7 +249,7 @@ class WindowTerms {
     const auto& seen = landmark.observations[slot];
     if (!seen.valid) return;
     const typename Kind::Linearized linearized(landmark.geometry);
-    Kind::add_anchor_tie(linearized, landmark.seen_by_anchor(), rows);
+    Kind::add_anchor_pixels(linearized, landmark.seen_by_anchor(), rows);
     Kind::add_view(rig, linearized, seen, views(landmark.anchor, slot), slot, rows);
   }
 

@@ -1,11 +1,11 @@
 #pragma once
-/// How every camera of the window sees every other one, computed once for all landmarks.    docs/math/window.md
+/// Relative poses between all cameras of a window, computed once for all landmarks.            docs/math/window.md
 ///
-/// Poses enter what is seen through T_target^-1 T_anchor alone: a step of the anchor moves it as a step of the target
-/// would,
+/// Visual residuals depend on poses through T_target^-1 T_anchor alone: a step of the anchor acts like one of the
+/// target,
 ///   J_anchor = -J_target transport,   transport = Ad(T_target^-1 T_anchor).                                    (4)
-/// This is taken at the linearization points, all else at the current state: (4) alone decides that a step of the whole
-/// window, as the prior knows it, changes no residual (first-estimate Jacobians).
+/// The transport is taken at the linearization points, everything else at the current state: (4) alone makes a common
+/// step of the whole window, as the prior contains it, leave all residuals unchanged (first-estimate Jacobians).
 
 #include <array>
 
@@ -18,7 +18,7 @@ namespace plumbline {
 template <class S, int Slots>
 class WindowViews {
  public:
-  /// At the current poses, and the camera's place on the body as the window has it, or as given.
+  /// Computes all views at the current poses, with the estimated extrinsics or else `given`.
   void update(const auto& window, const SE3<S>& given) {
     const SE3<S>& T_body_cam = window.T_body_cam(given);
     for_each_pair(window, [&](int anchor, int target) {
@@ -26,7 +26,7 @@ class WindowViews {
     });
   }
 
-  /// Gives `pairs`, a RelativeEquations, the transports (4).
+  /// Sets the transports (4) of `pairs`, a RelativeEquations.
   template <class Pairs>
   static void set_transports(const auto& window, Pairs& pairs) {
     for_each_pair(window, [&](int anchor, int target) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Where a line through points is: in the plane of its anchor's segment, through its members in space.
+/// Initialization of a line through points: in the plane of its anchor's segment, through its located members.
 ///                                                                                        docs/math/collinear.md
 
 #include <cmath>
@@ -19,15 +19,15 @@ namespace plumbline {
 
 namespace detail {
 
-/// A member as the line's anchor sees it.
+/// A member relative to the anchor of the line.
 template <class S>
 struct MemberInAnchor {
-  RelativeView<S> view;  ///< from the point's anchor
-  Vec<S, 3> bearing;     ///< there
-  S lambda, sigma_lambda;
-  S offset, sigma;  ///< of the tie
+  RelativeView<S> view;    ///< from the anchor of the point to that of the line
+  Vec<S, 3> bearing;       ///< in the anchor of the point
+  S lambda, sigma_lambda;  ///< inverse range of the point [1/m]
+  S offset, sigma;         ///< of collinear_kind.hpp (3) [rad]
 
-  /// Rows of the tie, whitened: one by sigma, that of the tie and that of the point's range.
+  /// Rows of the collinearity constraint, whitened by its sigma and that of the range of the point.
   struct Rows {
     Vec<S, 2> r;
     Mat<S, 2, 4> J_line;
@@ -44,8 +44,8 @@ struct MemberInAnchor {
 
 }  // namespace detail
 
-/// Locates the landmark, if at least two of its members, and half of them, are on one line within 3 sigma. `points` is
-/// the store of the points.
+/// Locates the landmark if at least two of its members, and half of them, are on one line within 3 sigma. `points`: the
+/// store of the members.
 template <class Landmark, class S>
 void locate_collinear(const SE3<S>& T_body_cam, const auto& window, Landmark& landmark, const auto& points) {
   using Kind = typename Landmark::Kind;

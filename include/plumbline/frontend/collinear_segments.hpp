@@ -1,10 +1,10 @@
 #pragma once
-/// Lines through points, by the segments of keyframes.                                    docs/math/collinear.md
+/// Front end of lines through points, by segments detected in keyframes.                    docs/math/collinear.md
 ///
-/// In a keyframe segments are detected, and the points that lie on one become its members. A segment that shares two
-/// of them with a line that is known, far enough apart, is that line, if its place in space agrees; nothing of its
-/// looks is kept but which side is bright. Lines that one segment belongs to are one. Between keyframes the outermost
-/// members in sight stand for the line.
+/// In a keyframe segments are detected, and points close to a segment become its members. A segment that shares two
+/// members, far enough apart, with a known line is an observation of that line if their positions in space agree; of
+/// its appearance only the bright side is used. Lines that share a segment are merged. Between keyframes the outermost
+/// members in view replace the segment.
 
 #include <algorithm>
 #include <cmath>
@@ -26,15 +26,18 @@
 namespace plumbline {
 
 struct CollinearOptions {
-  int target_count = 60;      ///< lines in sight
-  float sigma_px = 0.4f;      ///< of an endpoint across the segment, however long and sharp the edge
-  float peak_spacing_px = 4;  ///< of peaks along the edge that err independently
-  float member_px = 4;        ///< a point this near to a segment is on it: corners are found beside their edges
-  float separation_px = 10;   ///< of the two points that two views of a line must share, in both
-  float same_line_px = 2;     ///< between a segment and where a line is seen that it belongs to
-  double sigma_points = 3;    ///< of members that stand for their line, by their own: they count as points, too
+  int target_count = 60;  ///< new lines are added until this many are in view
+  /// Sigma of an endpoint normal to the segment that the length of the edge does not reduce [px].
+  float sigma_px = 0.4f;
+  float peak_spacing_px = 4;  ///< distance of edge points with independent errors [px]
+  /// Largest distance of a member to its segment [px]; corners are detected beside their edges.
+  float member_px = 4;
+  float separation_px = 10;  ///< smallest distance of two shared members in both views of a line [px]
+  float same_line_px = 2;    ///< largest distance between a segment and the projection of its line [px]
+  /// Factor on the sigmas of members that replace a segment, because they are also used as points.
+  double sigma_points = 3;
   LineDetectorOptions detector;
-  LineTrackingOptions tracking;  ///< of the edge that a detected segment is measured by
+  LineTrackingOptions tracking;  ///< options for tracking the edge of a detected segment
 };
 
 template <class Store, LineDetector Detector = LineSegmentDetector<>>
@@ -47,27 +50,29 @@ class CollinearSegments {
   using Observation = typename Kind::Observation;
   using Members = decltype(Kind::Appearance::points);
   using Options = CollinearOptions;
-  static constexpr bool votes = false;
+  static constexpr bool gives_correspondences = false;
   static constexpr bool reads_kinds_before = true;
 
   explicit CollinearSegments(const Options& options) : options_(options) {}
 
+  /// Observes all lines by their members.
   void follow(const View<Sensors>& view, const auto& /*window*/, Store& store, const SE3<S>& /*T_world_predicted*/,
               const auto& before) {
     const auto& points = points_of(before);
     for (Landmark& landmark : store.landmarks()) {
-      forget_members(landmark, points);
-      see_members(view, landmark, points);
+      remove_lost_members(landmark, points);
+      observe_members(view, landmark, points);
       if (!landmark.current.valid) ++landmark.misses;
     }
   }
 
+  /// Observes all lines by the corrected members, and updates their extents.
   void refine(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body,
               const auto& before) {
     const auto& points = points_of(before);
     const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
     for (Landmark& landmark : store.landmarks()) {
-      see_members(view, landmark, points);
+      observe_members(view, landmark, points);
       if (!landmark.current.valid || !landmark.located) continue;
       const LineReprojection<S>& seen = landmark.current.pixels.measured;
       landmark.geometry.set_extent(T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam),
@@ -75,6 +80,7 @@ class CollinearSegments {
     }
   }
 
+  /// Locates lines whose members were located.
   void locate(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& /*T_world_body*/,
               const auto& before) {
     for (Landmark& landmark : store.landmarks()) {
@@ -83,12 +89,13 @@ class CollinearSegments {
     }
   }
 
+  /// Detects segments in a keyframe: observations of known lines, and new lines.
   void detect(const View<Sensors>& view, const auto& window, Store& store, int slot, const auto& before) {
     const auto& points = points_of(before);
     const ImageView<const std::uint8_t>& image = view.current.level(0);
     if (!edges_.compute(image, options_.detector.min_gradient)) return;
     detector_.detect(image, edges_, options_.detector, detected_);
-    if (!edges_.compute(image, options_.detector.min_gradient)) return;  // the detector may have taken their pixels
+    if (!edges_.compute(image, options_.detector.min_gradient)) return;  // the detector may have consumed them
     on_segments_.associate(points, detected_, options_.member_px);
     for (std::size_t k = 0; k < detected_.size(); ++k) {
       Members members = on_segments_.of(k, points);
@@ -103,7 +110,7 @@ class CollinearSegments {
       }
       Landmark* line = recognize(view, window, store, slot, members, points, seen);
       if (line != nullptr) {
-        if (line->current.from_points || !line->current.valid) {  // else it has a longer segment already
+        if (line->current.from_points || !line->current.valid) {  // else a longer segment was assigned before
           line->current = seen;
           line->observations[static_cast<std::size_t>(slot)] = seen;
         }
@@ -124,13 +131,13 @@ class CollinearSegments {
  private:
   static const auto& points_of(const auto& before) {
     return std::apply(
-        [](const auto&... stores) -> const auto& { return held_of<Kind>(stores...); }, before);
+        [](const auto&... stores) -> const auto& { return member_store_of<Kind>(stores...); }, before);
   }
 
   // ------------------------------------------------------------------------------------------------ members
 
-  /// A line without two points is nobody any more.
-  static void forget_members(Landmark& landmark, const auto& points) {
+  /// Removes members that are no longer in their store; a line with fewer than two is discarded.
+  static void remove_lost_members(Landmark& landmark, const auto& points) {
     Members& members = landmark.appearance.points;
     for (std::size_t k = members.size(); k-- > 0;) {
       if (index_of(points, members[k]) < 0) members.swap_remove(k);
@@ -141,15 +148,15 @@ class CollinearSegments {
     for (const auto& member : more) {
       const auto known = std::find_if(to.begin(), to.end(), [&](const auto& other) { return other.id == member.id; });
       if (known == to.end()) {
-        to.push_back(member);  // as many as there is room for
+        to.push_back(member);  // up to the capacity
       } else {
         known->offset_px = member.offset_px;
       }
     }
   }
 
-  /// Whether two of the points are far enough apart, in the latest image and, of those that it shows, in that of the
-  /// keyframe in `*slot`.
+  /// Whether two of the members are far enough apart in the latest image and, if both were observed there, in that of
+  /// the keyframe in `*slot`.
   bool are_apart(Members& members, const auto& points, const int* slot) const {
     for (std::size_t a = 0; a < members.size(); ++a) {
       const auto& first = points.landmarks()[static_cast<std::size_t>(index_of(points, members[a]))];
@@ -165,10 +172,11 @@ class CollinearSegments {
     return false;
   }
 
-  // ------------------------------------------------------------------------------------------------ what is seen
+  // ------------------------------------------------------------------------------------------------ observation
 
-  /// The segment between the outermost members in sight, each moved by as much as it was beside the segment.
-  void see_members(const View<Sensors>& view, Landmark& landmark, const auto& points) const {
+  /// Observes a line by the segment between its outermost members in view, each corrected by its distance to the
+  /// segment.
+  void observe_members(const View<Sensors>& view, Landmark& landmark, const auto& points) const {
     const LineSegment before = landmark.previous.valid ? landmark.previous.segment : landmark.seen_by_anchor().segment;
     const Vec<float, 2> d = before.direction(), n_px = before.normal();
     LineSegment segment;
@@ -203,14 +211,14 @@ class CollinearSegments {
     landmark.current.from_points = true;
     if (landmark.current.valid) landmark.misses = 0;
   }
-  /// Of a pixel with the information L^T L, along n [px].
+  /// Sigma along n of a pixel with the information L^T L [px].
   static float sigma_across(const Mat<float, 2, 2>& L, const Vec<float, 2>& n) {
     // L is upper triangular: L^-T n by forward substitution.
     const float a = n[0] / L(0, 0), b = (n[1] - L(0, 1) * a) / L(1, 1);
     return std::hypot(a, b);
   }
 
-  /// A detected segment by the edge below it.
+  /// Measures a detected segment by its edge in the image.
   void measure(const View<Sensors>& view, const ImageView<const std::uint8_t>& image, const LineSegment& segment,
                Observation& out) {
     const TrackedLine tracked = tracker_.track(edges_, image, profile_of(image, segment), segment, options_.tracking);
@@ -222,8 +230,8 @@ class CollinearSegments {
 
   // ------------------------------------------------------------------------------------------------ recognition
 
-  /// The line that a segment of the keyframe in `slot` with these members belongs to; others that it belongs to become
-  /// part of that one.
+  /// The known line of a segment of the keyframe in `slot` with these members, or null; further lines of the same
+  /// segment are merged into it.
   Landmark* recognize(const View<Sensors>& view, const auto& window, Store& store, int slot, const Members& members,
                       const auto& points, const Observation& seen) {
     Landmark* found = nullptr;
@@ -231,7 +239,7 @@ class CollinearSegments {
     for (Landmark& landmark : store.landmarks()) {
       Members shared = shared_of(members, landmark.appearance.points);
       if (shared.size() < 2 || !are_apart(shared, points, &landmark.anchor)) continue;
-      if (!agrees(view, window, landmark, slot, seen)) continue;
+      if (!fits_segment(view, window, landmark, slot, seen)) continue;
       const bool better =
           found == nullptr || (landmark.located != found->located ? landmark.located : shared.size() > most);
       Landmark* other = better ? found : &landmark;
@@ -252,10 +260,10 @@ class CollinearSegments {
     return out;
   }
 
-  /// Whether a line is seen where the frame in `slot` has a segment, and is bright on the same side; only the latter
-  /// when its place is not known.
-  bool agrees(const View<Sensors>& view, const auto& window, const Landmark& landmark, int slot,
-              const Observation& seen) const {
+  /// Whether the projection of a line agrees with a segment of the frame in `slot`, with the same bright side; the
+  /// latter alone for a line that is not located.
+  bool fits_segment(const View<Sensors>& view, const auto& window, const Landmark& landmark, int slot,
+                    const Observation& seen) const {
     if (!landmark.located) return dot(landmark.seen_by_anchor().segment.direction(), seen.segment.direction()) > 0;
     const SE3<S> T_cam_anchor = (window.T_world_body(slot) * view.T_body_cam).inverse() *
                                 (window.T_world_body(landmark.anchor) * view.T_body_cam);
@@ -265,11 +273,11 @@ class CollinearSegments {
     return std::abs(r[0]) < S(options_.same_line_px) && std::abs(r[1]) < S(options_.same_line_px) &&
            dot(line.n, pixels.bearing_start.cross(pixels.bearing_end)) > S(0);
   }
-  /// The segments and points of one line become those of another, if it is seen where all of them are.
+  /// Moves segments and members of `other` to `line`, if the projection of `line` agrees with all of these segments.
   void merge(const View<Sensors>& view, const auto& window, Landmark& line, Landmark& other) const {
     for (int k = 0; k < Store::slots; ++k) {
       const Observation& seen = other.observations[static_cast<std::size_t>(k)];
-      if (seen.valid && !seen.from_points && !agrees(view, window, line, k, seen)) return;
+      if (seen.valid && !seen.from_points && !fits_segment(view, window, line, k, seen)) return;
     }
     for (std::size_t k = 0; k < std::size_t(Store::slots); ++k) {
       const Observation& seen = other.observations[k];

@@ -1,6 +1,6 @@
 #pragma once
-/// Front-end policy: the frame's pose from the pixels of all landmarks together, then each by itself; a kind of one's
-/// own by the front end that it brings, as in Flow.                                              docs/math/direct.md
+/// Front-end policy of direct tracking: the pose of a frame from the intensities of patches of all landmarks, then
+/// feature alignment of each one. A kind without a direct front end uses that of Flow.              docs/math/direct.md
 
 #include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"

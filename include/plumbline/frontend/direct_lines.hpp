@@ -1,16 +1,16 @@
 #pragma once
-/// Lines by direct alignment: the pixels along them help to find the frame's pose (frontend/image_motion.hpp); then
-/// each is found by its edge, near to where that pose sees it. Without a depth sensor the inverse ranges of both ends
-/// of a new one are filtered from frame to frame until they are known.          docs/math/direct.md, docs/math/line.md
+/// Front end of lines by direct tracking: patches along the segments take part in the image alignment of the frame
+/// (frontend/image_motion.hpp); then each line is found by its edge near its projection. Without a depth sensor the
+/// inverse ranges of both ends of a new line are estimated by depth filters.     docs/math/direct.md, docs/math/line.md
 
 #include <algorithm>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/landmark_store.hpp"
 #include "plumbline/feature/view.hpp"
+#include "plumbline/frontend/depth_filters.hpp"
 #include "plumbline/frontend/edge_following.hpp"
 #include "plumbline/frontend/line_location.hpp"
-#include "plumbline/frontend/seeds.hpp"
 #include "plumbline/geometry/line3.hpp"
 #include "plumbline/geometry/segment_depth_filter.hpp"
 #include "plumbline/tracking/image_alignment.hpp"
@@ -24,10 +24,12 @@ struct DirectLineOptions : EdgeFollowingOptions {
     search_first_px = 4;  // the aligned pose is nearly the estimated one
     search_tracked_again = false;
   }
-  float sample_spacing_px = 20;   ///< of the patches along a segment
-  float max_weight = 1.5f;        ///< of all patches of a segment together, in patches of points
-  bool filter_depth = true;       ///< of the ends of new landmarks; else by the two views that have enough parallax
-  double max_depth_error = 0.33;  ///< relative: new landmarks whose ends are known better have a place in space
+  float sample_spacing_px = 20;  ///< distance of patches along a segment [px]
+  /// Largest weight of all patches of a segment together, relative to one patch of a point.
+  float max_weight = 1.5f;
+  /// Use depth filters for new landmarks; else triangulate from two views with enough parallax.
+  bool filter_depth = true;
+  double max_depth_error = 0.33;  ///< relative sigma of the inverse range below which a new landmark is located
 };
 
 template <class Store, LineDetector Detector = LineSegmentDetector<>>
@@ -38,13 +40,13 @@ class DirectLines {
   using S = typename Kind::Scalar;
   using Landmark = typename Store::Landmark;
   using Options = LineOptionsOf<DirectLineOptions, Sensors>;
-  static constexpr bool votes = false;
+  static constexpr bool gives_correspondences = false;
   static constexpr int max_samples_of_one = 5, max_alignment_samples = max_samples_of_one * Store::capacity;
 
   explicit DirectLines(const Options& options) : options_(options), edges_(options) {}
 
-  /// Gives take(sample) of patches along every located landmark that the previous image shows: where a ray between
-  /// those of its ends meets the line.
+  /// take(sample) for patches along every located landmark in view of the previous image: points of the line on rays
+  /// between those of its ends.
   void for_each_alignment_sample(const View<Sensors>& view, const auto& window, const Store& store,
                                  const SE3<S>& T_world_predicted, auto&& take) const {
     const SE3<S> T_cam_previous =
@@ -92,7 +94,7 @@ class DirectLines {
     const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
     for (Landmark& landmark : store.landmarks()) {
       if (landmark.located || !landmark.current.valid || !landmark.seen_by_anchor().valid) continue;
-      SegmentDepthFilter<S>& depth = seeds_.of(landmark.id);
+      SegmentDepthFilter<S>& depth = depth_filters_.of(landmark.id);
       if (!depth.known()) depth = SegmentDepthFilter<S>::around(sum / S(count));
       const SegmentRays<S> in_anchor = rays_of(landmark.seen_by_anchor().pixels);
       depth.update(in_anchor, rays_of(landmark.current.pixels),
@@ -107,11 +109,12 @@ class DirectLines {
 
  private:
   static constexpr S min_depth = S(0.1), max_range = S(1e3);  ///< [m]
-  static constexpr int min_located = 5;                       ///< that tell how far a new landmark may be
+  /// Located landmarks needed for the prior of a depth filter.
+  static constexpr int min_located = 5;
 
   Options options_;
   EdgeFollowing<Store, Detector> edges_;
-  Seeds<SegmentDepthFilter<S>, Store::capacity> seeds_;
+  DepthFilters<SegmentDepthFilter<S>, Store::capacity> depth_filters_;
 };
 
 }  // namespace plumbline

@@ -1,9 +1,10 @@
 #pragma once
-/// Points by direct alignment: the frame's pose comes from the pixels of all of them together
-/// (frontend/image_motion.hpp), and each is then aligned with its pixels in the anchor where that pose sees it. Without
-/// a depth sensor the inverse depth of a new one is filtered from frame to frame until it is known; where neither flow
-/// nor alignment finds it, it is looked for along the curve that its ray draws in the image. Landmarks out of sight are
-/// looked for where the estimated pose puts them. Before there is a map all are followed by optical flow.
+/// Front end of points by direct tracking: the pose of the frame comes from patches of all landmarks together
+/// (frontend/image_motion.hpp), then each point is aligned with its patch in the anchor, near its projection.
+///
+/// Without a depth sensor the inverse depth of a new point is estimated by a depth filter; if neither feature alignment
+/// nor optical flow finds it, it is searched along its epipolar curve. Landmarks out of view are searched near their
+/// projections by the estimated pose. Before any landmark is located all points are tracked by optical flow.
 ///                                                                          docs/math/direct.md, docs/math/tracking.md
 
 #include <algorithm>
@@ -14,8 +15,8 @@
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/landmark_store.hpp"
 #include "plumbline/feature/view.hpp"
+#include "plumbline/frontend/depth_filters.hpp"
 #include "plumbline/frontend/point_flow.hpp"
-#include "plumbline/frontend/seeds.hpp"
 #include "plumbline/geometry/depth_filter.hpp"
 #include "plumbline/geometry/triangulation.hpp"
 #include "plumbline/tracking/epipolar_search.hpp"
@@ -27,11 +28,12 @@ namespace plumbline {
 
 template <SensorRig Sensors>
 struct DirectPointOptions : PointOptionsOf<Sensors> {
-  float max_correction_px = 4;    ///< from where the aligned pose sees a landmark
-  bool flow_as_well = true;       ///< where the anchor's pixels are not found
-  bool filter_depth = true;       ///< of new landmarks; else by the two views that have enough parallax
-  double max_depth_error = 0.33;  ///< relative: new landmarks whose inverse depth is known better have a place in space
-  int max_new_searches = 60;      ///< new landmarks out of track that one frame looks for along their epipolar curves
+  float max_correction_px = 4;  ///< largest distance between aligned and projected position [px]
+  bool flow_as_well = true;     ///< use optical flow where feature alignment fails
+  /// Use depth filters for new landmarks; else triangulate from two views with enough parallax.
+  bool filter_depth = true;
+  double max_depth_error = 0.33;  ///< relative sigma of the inverse depth below which a new landmark is located
+  int max_new_searches = 60;      ///< largest number of epipolar searches for new landmarks in one frame
   EpipolarSearchOptions epipolar;
 };
 
@@ -43,13 +45,13 @@ class DirectPoints {
   using S = typename Kind::Scalar;
   using Landmark = typename Store::Landmark;
   using Options = DirectPointOptions<Sensors>;
-  static constexpr bool votes = true;
+  static constexpr bool gives_correspondences = true;
   static constexpr bool relates_two_views = true;
   static constexpr int max_alignment_samples = Store::capacity;
 
   explicit DirectPoints(const Options& options) : options_(options), flow_(options) {}
 
-  /// Gives take(sample) of every located landmark that the previous image shows.
+  /// take(sample) for every located landmark in view of the previous image.
   void for_each_alignment_sample(const View<Sensors>& view, const auto& window, const Store& store,
                                  const SE3<S>& T_world_predicted, auto&& take) const {
     const SE3<S> T_cam_world = (T_world_predicted * view.T_body_cam).inverse();
@@ -75,8 +77,8 @@ class DirectPoints {
       Vec<float, 2> guess = flow_.expected(view, window, landmark, T_cam_world);
       S inverse_range = landmark.geometry.inverse_range;
       bool known = landmark.located;
-      if (!known) {  // only then: a located one has no filter, and must not take the place of another's
-        const DepthFilter<S>& depth = seeds_.of(landmark.id);
+      if (!known) {  // a located landmark has no filter and must not replace that of another one
+        const DepthFilter<S>& depth = depth_filters_.of(landmark.id);
         known = depth.known();
         if (known) {
           inverse_range = depth.mu;
@@ -105,13 +107,13 @@ class DirectPoints {
     flow_.for_each_correspondence(view, window, store, take);
   }
 
-  /// Looks for those that are not tracked.
+  /// Searches landmarks that are not tracked.
   void refine(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
     const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
     auto& landmarks = store.landmarks();
     const std::size_t n = landmarks.size();
     int searches = 0;
-    // Which landmarks get searched for rotates, so that none is left out for ever.
+    // The search begins at another landmark in every frame, so that none is left out permanently.
     for (std::size_t k = 0; k < n && searches < options_.max_searches; ++k) {
       Landmark& landmark = landmarks[(k + first_search_) % n];
       if (!landmark.located || landmark.current.valid) continue;
@@ -137,7 +139,7 @@ class DirectPoints {
     const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
     for (Landmark& landmark : store.landmarks()) {
       if (landmark.located || !landmark.current.valid) continue;
-      DepthFilter<S>& depth = seeds_.of(landmark.id);
+      DepthFilter<S>& depth = depth_filters_.of(landmark.id);
       if (!depth.known()) depth = DepthFilter<S>::around(sum / S(count));
       measure(view, landmark, T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam), depth);
       if (depth.diverged()) landmark.current.valid = false;
@@ -155,12 +157,12 @@ class DirectPoints {
   }
 
  private:
-  static constexpr float border_px = 8;  ///< half an alignment patch and the interpolation's neighbour
+  static constexpr float border_px = 8;  ///< half an alignment patch and the interpolation's neighbor
 
   static Vec<S, 3> p_world(const Landmark& landmark, const auto& window, const SE3<S>& T_body_cam) {
     return window.T_world_body(landmark.anchor) * (T_body_cam * Kind::middle(landmark.geometry));
   }
-  /// Where the current image shows a landmark; false when it does not.
+  /// Projection of a landmark into the current image; false when it is outside.
   static bool predict(const View<Sensors>& view, const auto& window, const Landmark& landmark,
                       const SE3<S>& T_cam_world, Vec<float, 2>& seen) {
     const Vec<S, 3> p_cam = T_cam_world * p_world(landmark, window, view.T_body_cam);
@@ -170,7 +172,7 @@ class DirectPoints {
     return view.current.level(0).contains(seen.x(), seen.y(), border_px);
   }
 
-  /// What the latest frame says of it, where there is enough parallax to say anything.
+  /// Updates the depth filter of a landmark by the latest frame, if the parallax gives information.
   void measure(const View<Sensors>& view, const Landmark& landmark, const SE3<S>& T_cam_anchor,
                DepthFilter<S>& depth) const {
     const Unprojection<S> ray = view.camera().unproject(cast_to<S>(landmark.current.uv));
@@ -187,7 +189,7 @@ class DirectPoints {
       depth.miss();
     }
   }
-  /// The guess for a landmark that turned with the camera, moved on by what the depth says of the translation.
+  /// Adds the parallax by the translation, at this inverse range, to a guess from the rotation alone.
   static Vec<float, 2> moved(const View<Sensors>& view, const auto& window, const Landmark& landmark, S inverse_range,
                              const SE3<S>& T_cam_world, const Vec<float, 2>& guess) {
     const Vec<S, 3> at =
@@ -201,8 +203,8 @@ class DirectPoints {
     return guess + cast_to<float>(now.uv - turned.uv);
   }
 
-  /// Looks for landmarks without a place in space that the frame has lost: along their rays, as far as the filter of
-  /// each leaves open.
+  /// Searches landmarks that are neither located nor tracked along their epipolar curves, within two sigmas of their
+  /// depth filters.
   void search_new(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_cam_world) {
     constexpr S sigmas = S(2), least = S(1e-3);
     const auto seen = [&](const Vec<S, 2>& uv, S inverse_range) { return view.shutter.seen(uv, inverse_range); };
@@ -210,7 +212,7 @@ class DirectPoints {
     for (Landmark& landmark : store.landmarks()) {
       if (searches >= options_.max_new_searches) break;
       if (landmark.located || landmark.current.valid) continue;
-      const DepthFilter<S>& depth = seeds_.of(landmark.id);
+      const DepthFilter<S>& depth = depth_filters_.of(landmark.id);
       if (!depth.known()) continue;
       ++searches;
       const S reach = sigmas * depth.sigma();
@@ -223,6 +225,7 @@ class DirectPoints {
     }
   }
 
+  /// Feature alignment of the patch in the anchor, warped by pose and inverse range, from `guess`.
   Alignment align(const View<Sensors>& view, const auto& window, const Landmark& landmark, S inverse_range,
                   const SE3<S>& T_cam_world, const Vec<float, 2>& guess, bool coarse_start) const {
     const SE3<S> T_cam_anchor = T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam);
@@ -237,11 +240,11 @@ class DirectPoints {
     return aligned;
   }
 
-  static constexpr int min_located = 10;  ///< that tell how far a new landmark may be
+  static constexpr int min_located = 10;  ///< located landmarks needed for the prior of a depth filter
 
   Options options_;
   PointFlow<Store> flow_;
-  Seeds<DepthFilter<S>, Store::capacity> seeds_;
+  DepthFilters<DepthFilter<S>, Store::capacity> depth_filters_;
   std::size_t first_search_ = 0;
 };
 

@@ -1,10 +1,10 @@
 #pragma once
-/// Lines by the edge that their image shows: it is looked for where the predicted pose sees the line, and again,
-/// nearer, once the pose is known. A line is known from the depth beside it, or from the planes of keyframes with
-/// parallax. Two lines on one edge are one, the older.
-/// docs/math/line.md
+/// Front end of lines by tracking their edges: an edge is searched near the projection by the predicted pose, and
+/// again, within a smaller distance, near that by the estimated pose. A line is located from measured depth beside it,
+/// or from the planes of keyframes with parallax. Of two lines on one edge the older one is kept.     docs/math/line.md
 ///
-/// Lines do not vote for the pose: three of them give one, but a wrong one as easily. What does not fit is gated.
+/// Lines give no correspondences to the RANSAC of the pose: three of them give a pose, but wrong associations are too
+/// frequent. Outliers are rejected by the gate of pose refinement.
 
 #include <algorithm>
 #include <array>
@@ -28,20 +28,24 @@
 namespace plumbline {
 
 struct EdgeFollowingOptions {
-  float sigma_px = 0.4f;             ///< of an endpoint across the segment, however long and sharp the edge
-  float peak_spacing_px = 4;         ///< of peaks along the edge that err independently
-  int target_count = 60;             ///< segments are detected until this many landmarks are in sight
-  float search_first_px = 1e3f;      ///< across the edge; where nothing is found so near, `tracking.search_px`
-  float search_again_px = 5;         ///< across the edge, once the pose is known
-  bool search_tracked_again = true;  ///< else those alone that were not found
+  /// Sigma of an endpoint normal to the segment that the length of the edge does not reduce [px].
+  float sigma_px = 0.4f;
+  float peak_spacing_px = 4;  ///< distance of edge points with independent errors [px]
+  int target_count = 60;      ///< new lines are added until this many landmarks are in view
+  /// Distance of a first search normal to the edge [px]; if it fails, or is not smaller, `tracking.search_px` is
+  /// used.
+  float search_first_px = 1e3f;
+  float search_again_px = 5;  ///< search distance normal to the edge when the pose is estimated [px]
+  /// Search all lines again when the pose is estimated; else only those not found.
+  bool search_tracked_again = true;
   LineDetectorOptions detector;
   LineTrackingOptions tracking;
   LineDepthSampling depth;
   LineTriangulationOptions triangulation;
 };
 
-/// `Base`, with what is known better of a rig: where depth is measured, lines have their place from it and not from the
-/// very observations that then are residuals, and all of those agree better.
+/// Options `Base` with the defaults of a rig. With measured depth the sigma of endpoints is smaller: lines are then
+/// located by depth, independent of the observations that are residuals.
 template <class Base, SensorRig Sensors>
 struct LineOptionsOf : Base {
   constexpr LineOptionsOf() {
@@ -58,7 +62,7 @@ class EdgeFollowing {
   using Landmark = typename Store::Landmark;
   using Observation = typename Kind::Observation;
   using Options = LineOptionsOf<EdgeFollowingOptions, Sensors>;
-  static constexpr bool votes = false;
+  static constexpr bool gives_correspondences = false;
 
   explicit EdgeFollowing(const EdgeFollowingOptions& options) : options_(options) {}
 
@@ -67,13 +71,13 @@ class EdgeFollowing {
     const SO3<S> R_cam_previous = T_cam_world.rotation() * (view.T_world_previous * view.T_body_cam).rotation();
     for (Landmark& landmark : store.landmarks()) {
       if (!landmark.current.valid) continue;
-      remember_appearance(landmark);
+      save_appearance(landmark);
       landmark.current.valid = false;
       LineSegment guess;
       const LineReprojection<S>& before = landmark.previous.pixels.measured;
-      const auto slopes = landmark.previous.slopes.get();
-      const auto ray = [&](const Vec<S, 3>& bearing, std::size_t end) {  // as far away as it is thought to be
-        const S lambda = slopes[end].inverse_range;
+      const auto derivatives = landmark.previous.derivatives.get();
+      const auto ray = [&](const Vec<S, 3>& bearing, std::size_t end) {  // at the last known range
+        const S lambda = derivatives[end].inverse_range;
         return lambda > S(0) ? Vec<S, 3>(bearing / lambda) : bearing;
       };
       const bool visible = landmark.located ? predicted_segment(view, window, landmark, T_cam_world, guess)
@@ -81,8 +85,8 @@ class EdgeFollowing {
                                                               R_cam_previous * ray(before.bearing_end, 1), guess);
       if (visible) {
         const bool near_first = options_.search_first_px < options_.tracking.search_px;
-        if (near_first) look_for(view, landmark, guess, within(options_.search_first_px));
-        if (!landmark.current.valid) look_for(view, landmark, guess, options_.tracking);
+        if (near_first) search_edge(view, landmark, guess, within(options_.search_first_px));
+        if (!landmark.current.valid) search_edge(view, landmark, guess, options_.tracking);
       }
       if (!landmark.current.valid) ++landmark.misses;
     }
@@ -98,7 +102,7 @@ class EdgeFollowing {
       const bool search = options_.search_tracked_again || !landmark.current.valid;
       if (search && predicted_segment(view, window, landmark, T_cam_world, guess)) {
         const Observation before = landmark.current;
-        look_for(view, landmark, guess, near);
+        search_edge(view, landmark, guess, near);
         if (!landmark.current.valid && before.valid) landmark.current = before;
         if (!landmark.current.valid) ++landmark.misses;
       }
@@ -119,8 +123,8 @@ class EdgeFollowing {
     }
   }
 
-  /// New landmarks from segments that are no part of one in sight. The keyframe becomes the anchor of lines that its
-  /// depth locates.
+  /// Adds new landmarks from detected segments that do not belong to a landmark in view. The keyframe becomes the
+  /// anchor of lines that its depth locates.
   void detect(const View<Sensors>& view, const auto& /*window*/, Store& store, int slot) {
     for (Landmark& landmark : store.landmarks()) {
       if (!landmark.located && landmark.current.valid && landmark.current.has_depth()) locate_in_frame(landmark, slot);
@@ -141,7 +145,7 @@ class EdgeFollowing {
               landmark.current);
       if (!landmark.current.valid) continue;
       landmark.observations[static_cast<std::size_t>(slot)] = landmark.current;
-      remember_appearance(landmark);
+      save_appearance(landmark);
       if (landmark.current.has_depth()) locate_in_frame(landmark, slot);
       if (!store.add(landmark, slot)) break;
       segments_.push_back(landmark.current.segment);
@@ -149,11 +153,12 @@ class EdgeFollowing {
   }
 
  private:
-  /// Of the anchor's camera.
+  /// Pose of the anchor's camera.
   static SE3<S> T_world_anchor(const Landmark& landmark, const auto& window, const SE3<S>& T_body_cam) {
     return window.T_world_body(landmark.anchor) * T_body_cam;
   }
 
+  /// Projection of the extent of a located line; false when it is outside the image.
   static bool predicted_segment(const View<Sensors>& view, const auto& window, const Landmark& landmark,
                                 const SE3<S>& T_cam_world, LineSegment& out) {
     const SE3<S> T_cam_anchor = T_cam_world * T_world_anchor(landmark, window, view.T_body_cam);
@@ -168,11 +173,13 @@ class EdgeFollowing {
     return out;
   }
 
-  static void remember_appearance(Landmark& landmark) {
+  static void save_appearance(Landmark& landmark) {
     landmark.appearance = {landmark.current.profile, landmark.current.segment.gradient};
   }
 
-  void look_for(const View<Sensors>& view, Landmark& landmark, LineSegment guess, const LineTrackingOptions& tracking) {
+  /// Searches the edge of a landmark near `guess`.
+  void search_edge(const View<Sensors>& view, Landmark& landmark, LineSegment guess,
+                   const LineTrackingOptions& tracking) {
     guess.gradient = landmark.appearance.gradient;
     const ImageView<const std::uint8_t>& image = view.current.level(0);
     observe(view, tracker_.track(EdgeGradients(image), image, landmark.appearance.profile, guess, tracking),
@@ -180,6 +187,7 @@ class EdgeFollowing {
     if (landmark.current.valid) landmark.misses = 0;
   }
 
+  /// The observation by a tracked edge, with measured depth.
   void observe(const View<Sensors>& view, const TrackedLine& tracked, Observation& out) const {
     out.valid = false;
     if (!tracked.valid) return;
@@ -187,7 +195,7 @@ class EdgeFollowing {
     measure_segment(view, tracked.segment, endpoint_covariance(options_.sigma_px, tracked.rms_px, peaks), out);
     if (!out.valid) return;
     out.profile = tracked.profile;
-    out.forget_depth();
+    out.clear_depth();
     if constexpr (Sensors::has_depth) {
       const LineDepth<S> depth = measure_line_depth(view.camera(), view.rig.vision.depth, view.depth,
                                                     tracked.segment.start, tracked.segment.end, options_.depth);
@@ -195,7 +203,7 @@ class EdgeFollowing {
     }
   }
 
-  /// Two lines on one edge are one: located ones first, then by age.
+  /// Of several lines on one edge keeps the observation of one: a located one first, then the oldest.
   void drop_duplicates(Store& store) {
     order_.clear();
     segments_.clear();

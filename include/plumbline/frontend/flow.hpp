@@ -1,15 +1,15 @@
 #pragma once
-/// Front-end policy: points by optical flow, lines by their edges or by the points on them; a kind of one's own by the
-/// front end that it brings (`template <class Store> using FrontEnd`).
+/// Front-end policy of tracking from image to image: points by optical flow, lines by their edges or by the points on
+/// them. A kind defined by the user brings its own front end (`template <class Store> using FrontEnd`).
 
 #include "plumbline/feature/collinear.hpp"
+#include "plumbline/feature/initialization_points.hpp"
 #include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"
-#include "plumbline/feature/start_points.hpp"
 #include "plumbline/frontend/collinear_segments.hpp"
 #include "plumbline/frontend/edge_following.hpp"
+#include "plumbline/frontend/initialization_flow.hpp"
 #include "plumbline/frontend/point_flow.hpp"
-#include "plumbline/frontend/start_flow.hpp"
 
 namespace plumbline {
 
@@ -23,8 +23,8 @@ struct FlowOf<Points<N, Loss>, Store> {
   using Type = PointFlow<Store>;
 };
 template <int N, template <class> class Loss, class Store>
-struct FlowOf<StartPoints<N, Loss>, Store> {
-  using Type = StartFlow<Store>;
+struct FlowOf<InitializationPoints<N, Loss>, Store> {
+  using Type = InitializationFlow<Store>;
 };
 template <int N, class Detector, template <class> class Loss, class Store>
 struct FlowOf<Lines<N, Detector, Loss>, Store> {

@@ -1,14 +1,14 @@
 #pragma once
-/// A front end finds the landmarks of one kind in the next image. It owns what that takes (edge maps, scratch); the
-/// landmarks belong to the store.
+/// Concept of a front end: it finds the landmarks of one kind in the next image. It owns its scratch data (edge maps,
+/// buffers); the landmarks belong to the store.
 ///
-/// In the order of one frame:
-///   (align)   the pose, from pixels that all landmarks together know the depth of, `for_each_alignment_sample`
-///   follow    every landmark of the previous image into the current one, from where the predicted pose sees it
-///   (vote)    what its landmarks have to say in the search for the pose that most agree on, `for_each_correspondence`
-///   refine    looks again where the estimated pose sees a landmark: tracked ones are corrected, lost ones found
-///   locate    landmarks without a place in space, by this frame's view of them
-///   detect    new landmarks, in a keyframe
+/// Calls in the order of one frame; those in parentheses are optional:
+///   (align)      pose by the patches of all landmarks with depth, `for_each_alignment_sample`
+///   follow       finds every landmark of the previous image in the current one, near its predicted projection
+///   (consensus)  correspondences for the RANSAC consensus of the pose, `for_each_correspondence`
+///   refine       searches again near the projection by the estimated pose: corrects tracked landmarks, finds lost ones
+///   locate       estimates the geometry of landmarks that are not located
+///   detect       adds new landmarks, in a keyframe
 ///
 /// A policy names the front end of every kind (`template <class Store> using Of`), and a backend its default policy.
 
@@ -21,7 +21,7 @@
 
 namespace plumbline {
 
-/// `window` tells T_world_body(slot).
+/// `window` gives T_world_body(slot).
 template <class F, class Store, class Window>
 concept FrontEnd = requires(F& front_end, Store& store, const View<typename Store::Kind::Sensors>& view,
                             const Window& window, const SE3<typename Store::S>& T_world_body, int slot) {
@@ -32,8 +32,8 @@ concept FrontEnd = requires(F& front_end, Store& store, const View<typename Stor
   front_end.detect(view, window, store, slot);
 };
 
-/// Whether the landmarks of this front end vote for the pose.
+/// A front end whose landmarks give correspondences for the RANSAC consensus of the pose.
 template <class F>
-concept Votes = F::votes;
+concept GivesCorrespondences = F::gives_correspondences;
 
 }  // namespace plumbline

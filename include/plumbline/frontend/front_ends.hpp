@@ -1,6 +1,6 @@
 #pragma once
-/// The front ends of all kinds of an estimator, in the order of the kinds, and the pose that most of what they follow
-/// agrees on.
+/// The front ends of all kinds of an estimator, in the order of the kinds; with the RANSAC consensus of the pose over
+/// all correspondences.
 
 #include <array>
 #include <cstddef>
@@ -23,7 +23,7 @@ struct KindOptions : StoreOptions, FrontEndOptions {};
 
 namespace detail {
 
-/// Of a policy that follows every landmark by itself: no state, no code.
+/// No image alignment, for a policy that tracks every landmark on its own: no state, no code.
 struct NoImageMotion {
   struct Named {};
   static Named options_of(const auto&) { return {}; }
@@ -39,7 +39,7 @@ struct ImageMotionOf<Policy, Sensors, MaxSamples> {
   using Type = typename Policy::template Motion<Sensors, MaxSamples>;
 };
 
-/// What the landmarks of a front end may add to the alignment of two images.
+/// Largest number of patches that a front end adds to the alignment of two images.
 template <class FrontEnd>
 constexpr int max_alignment_samples_of() {
   if constexpr (requires { FrontEnd::max_alignment_samples; }) return FrontEnd::max_alignment_samples;
@@ -48,9 +48,9 @@ constexpr int max_alignment_samples_of() {
 
 }  // namespace detail
 
-/// How many landmarks had a say in the pose, and how many agree on it.
-struct Agreement {
-  int asked = 0, agree = 0;
+/// Number of landmarks in the RANSAC consensus, and of its inliers.
+struct InlierCount {
+  int candidates = 0, inliers = 0;
 };
 
 template <class Policy, class Sensors, int Slots, class FeatureSet>
@@ -71,7 +71,7 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
   /// All options by name: `options.points`, `options.lines`, ...
   struct Options : Entries::template Named<KindOptions<typename Of<Entries>::Options>>..., ImageMotion::Named {};
 
-  /// Whether a kind tells which bearings of two views belong together: a camera without depth starts by them.
+  /// Whether a kind gives pairs of bearings of two views, for the initialization of a camera without depth.
   static constexpr bool relates_two_views = (false || ... || requires { Of<Entries>::relates_two_views; });
 
   explicit FrontEnds(const Options& options)
@@ -79,8 +79,8 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
 
   static Landmarks make_landmarks(const Options& options) { return Landmarks(Entries::options_of(options)...); }
 
-  /// Moves T, where the frame is expected, to where the images have it, of a policy that compares them as a whole
-  /// (`template <class Sensors, int MaxSamples> using Motion`).
+  /// Refines a predicted pose by image alignment; no operation for a policy without
+  /// `template <class Sensors, int MaxSamples> using Motion`.
   void align(const View<Sensors>& view, const auto& window, const Landmarks& landmarks, const PosePrior<S>& prior,
              SE3<S>& T_world_body) {
     if constexpr (requires { image_motion_.clear(); }) {
@@ -98,7 +98,7 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
   }
   const ImageMotion& image_motion() const { return image_motion_; }
 
-  /// Follows all landmarks into the current image.
+  /// Tracks all landmarks into the current image.
   void follow(const View<Sensors>& view, const auto& window, Landmarks& landmarks, const SE3<S>& T_world_predicted) {
     for_each(landmarks, [&](auto& front_end, auto& store, auto... before) {
       store.begin_frame();
@@ -106,51 +106,51 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
     });
   }
 
-  /// Finds the pose that most located landmarks agree on, beginning with `T_world_body`, and takes the others out of
-  /// the frame. Of a majority that moves otherwise than can be, no pose is taken where others agree on one that can:
-  /// admits(T_world_body) tells. Leaves the pose alone when none is found. Returns who was asked, and how many agree.
-  Agreement agree(const View<Sensors>& view, const auto& window, Landmarks& landmarks, const PoseRansacOptions& options,
-                  SE3<S>& T_world_body, auto&& admits) {
-    if constexpr (votes > 0) {
-      votes_.clear();
-      voters_.clear();
-      for_each_voting_kind([&]<std::size_t I>(const auto& front_end) {
-        const auto take = [&](int index, const PoseCorrespondence<S>& vote) {
-          votes_.push_back(vote);
-          voters_.push_back({I, index});
+  /// Finds the pose with most inliers among the located landmarks by RANSAC, beginning with `T_world_body`, and rejects
+  /// the outliers. Only poses with passes_gate(T_world_body) are considered, unless none of them has a consensus.
+  /// Without any consensus the pose stays unchanged. Returns the numbers of candidates and inliers.
+  InlierCount find_consensus(const View<Sensors>& view, const auto& window, Landmarks& landmarks,
+                             const PoseRansacOptions& options, SE3<S>& T_world_body, auto&& passes_gate) {
+    if constexpr (max_correspondences > 0) {
+      correspondences_.clear();
+      candidates_.clear();
+      for_each_corresponding_kind([&]<std::size_t I>(const auto& front_end) {
+        const auto take = [&](int index, const PoseCorrespondence<S>& correspondence) {
+          correspondences_.push_back(correspondence);
+          candidates_.push_back({I, index});
         };
         front_end.for_each_correspondence(view, window, landmarks.template get<I>(), take);
       });
       const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
-      const auto body_admits = [&](const SE3<S>& T) { return admits((view.T_body_cam * T).inverse()); };
-      auto found = ransac_pose(votes_, T_cam_world, options, body_admits);
-      if (!found.valid) found = ransac_pose(votes_, T_cam_world, options);
-      const int asked = static_cast<int>(votes_.size());
-      if (!found.valid) return {asked, 0};
+      const auto body_passes_gate = [&](const SE3<S>& T) { return passes_gate((view.T_body_cam * T).inverse()); };
+      auto found = ransac_pose(correspondences_, T_cam_world, options, body_passes_gate);
+      if (!found.valid) found = ransac_pose(correspondences_, T_cam_world, options);
+      const int candidates = static_cast<int>(correspondences_.size());
+      if (!found.valid) return {candidates, 0};
       T_world_body = (view.T_body_cam * found.T_cam_world).inverse();
-      for_each_voting_kind([&]<std::size_t I>(const auto&) {
-        for (std::size_t k = 0; k < votes_.size(); ++k) {
-          if (voters_[k].kind == I && !found.inlier[k]) landmarks.template get<I>().reject(voters_[k].index);
+      for_each_corresponding_kind([&]<std::size_t I>(const auto&) {
+        for (std::size_t k = 0; k < correspondences_.size(); ++k) {
+          if (candidates_[k].kind == I && !found.inlier[k]) landmarks.template get<I>().reject(candidates_[k].index);
         }
       });
-      return {asked, found.inliers};
+      return {candidates, found.inliers};
     }
     return {};
   }
 
-  Agreement agree(const View<Sensors>& view, const auto& window, Landmarks& landmarks, const PoseRansacOptions& options,
-                  SE3<S>& T_world_body) {
-    return agree(view, window, landmarks, options, T_world_body, [](const SE3<S>&) { return true; });
+  InlierCount find_consensus(const View<Sensors>& view, const auto& window, Landmarks& landmarks,
+                             const PoseRansacOptions& options, SE3<S>& T_world_body) {
+    return find_consensus(view, window, landmarks, options, T_world_body, [](const SE3<S>&) { return true; });
   }
 
-  /// Looks again for all landmarks where the pose sees them.
+  /// Searches all landmarks again near their projections by the estimated pose.
   void refine(const View<Sensors>& view, const auto& window, Landmarks& landmarks, const SE3<S>& T_world_body) {
     for_each(landmarks, [&](auto& front_end, auto& store, auto... before) {
       front_end.refine(view, window, store, T_world_body, before...);
     });
   }
 
-  /// Landmarks without a place in space, by this frame's view of them; those of no use any more are forgotten.
+  /// Locates landmarks by their observations in this frame, and removes unused ones.
   void locate(const View<Sensors>& view, const auto& window, Landmarks& landmarks, const SE3<S>& T_world_body) {
     for_each(landmarks, [&](auto& front_end, auto& store, auto... before) {
       front_end.locate(view, window, store, T_world_body, before...);
@@ -158,7 +158,7 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
     });
   }
 
-  /// Records what the frame saw as the keyframe in `slot`, and finds new landmarks.
+  /// Stores the observations of the frame as those of the keyframe in `slot`, and adds new landmarks.
   void detect(const View<Sensors>& view, const auto& window, Landmarks& landmarks, int slot) {
     for_each(landmarks, [&](auto& front_end, auto& store, auto... before) {
       store.record(slot);
@@ -166,7 +166,8 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
     });
   }
 
-  /// Gives visit(bearing in the anchor, bearing now) of all landmarks anchored in `slot` that relate two views.
+  /// visit(bearing in the anchor, bearing now) for all tracked landmarks anchored in `slot` of kinds that give such
+  /// pairs.
   void for_each_pair(const View<Sensors>& view, const Landmarks& landmarks, int slot, auto&& visit) const {
     Landmarks::for_each_index([&]<std::size_t I>() {
       const auto& front_end = std::get<I>(front_ends_);
@@ -176,22 +177,22 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
     });
   }
 
-  /// A start begins, or is over: for kinds that are there for it alone.
-  void begin_start() {
-    std::apply([](auto&... f) { (begin_start(f), ...); }, front_ends_);
+  /// Initialization begins or ends: for kinds that exist during initialization only.
+  void begin_initialization() {
+    std::apply([](auto&... f) { (begin_initialization(f), ...); }, front_ends_);
   }
-  void end_start(Landmarks& landmarks) {
+  void end_initialization(Landmarks& landmarks) {
     for_each(landmarks, [](auto& front_end, auto& store, auto...) {
-      if constexpr (requires { front_end.end_start(store); }) front_end.end_start(store);
+      if constexpr (requires { front_end.end_initialization(store); }) front_end.end_initialization(store);
     });
   }
-  /// Tracked landmarks of all other kinds.
+  /// Number of tracked landmarks of all other kinds.
   int lasting_count(const Landmarks& landmarks) const {
     int n = 0;
     Landmarks::for_each_index([&]<std::size_t I>() {
       const auto& store = landmarks.template get<I>();
-      if constexpr (!requires { std::get<I>(front_ends_).is_for_start; } &&
-                    !HoldsOthers<typename std::remove_cvref_t<decltype(store)>::Kind>) {
+      if constexpr (!requires { std::get<I>(front_ends_).is_for_initialization; } &&
+                    !HasMembers<typename std::remove_cvref_t<decltype(store)>::Kind>) {
         n += store.tracked_count();
       }
     });
@@ -199,26 +200,28 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
   }
 
  private:
-  /// How many landmarks may vote.
-  static constexpr int votes = (0 + ... + (Votes<Of<Entries>> ? Entries::capacity : 0));
+  /// Largest number of correspondences.
+  static constexpr int max_correspondences = (0 + ... + (GivesCorrespondences<Of<Entries>> ? Entries::capacity : 0));
 
-  struct Voter {
+  /// The landmark of a correspondence.
+  struct Candidate {
     std::size_t kind;
     int index;  ///< in its store
   };
 
-  void for_each_voting_kind(auto&& visit) const {
+  void for_each_corresponding_kind(auto&& visit) const {
     Landmarks::for_each_index([&]<std::size_t I>() {
       const auto& front_end = std::get<I>(front_ends_);
-      if constexpr (Votes<std::remove_cvref_t<decltype(front_end)>>) visit.template operator()<I>(front_end);
+      if constexpr (GivesCorrespondences<std::remove_cvref_t<decltype(front_end)>>)
+        visit.template operator()<I>(front_end);
     });
   }
 
-  static void begin_start(auto& front_end) {
-    if constexpr (requires { front_end.begin_start(); }) front_end.begin_start();
+  static void begin_initialization(auto& front_end) {
+    if constexpr (requires { front_end.begin_initialization(); }) front_end.begin_initialization();
   }
 
-  /// visit(front end, store), and as a third argument the stores before it for a front end that says it reads them.
+  /// visit(front end, store), with the stores before it as a third argument for a front end with `reads_kinds_before`.
   void for_each(Landmarks& landmarks, auto&& visit) {
     Landmarks::for_each_index([&]<std::size_t I>() {
       auto& front_end = std::get<I>(front_ends_);
@@ -232,8 +235,8 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
 
   std::tuple<Of<Entries>...> front_ends_;
   [[no_unique_address]] ImageMotion image_motion_;
-  FixedVector<PoseCorrespondence<S>, (votes > 0 ? votes : 1)> votes_;
-  FixedVector<Voter, (votes > 0 ? votes : 1)> voters_;
+  FixedVector<PoseCorrespondence<S>, (max_correspondences > 0 ? max_correspondences : 1)> correspondences_;
+  FixedVector<Candidate, (max_correspondences > 0 ? max_correspondences : 1)> candidates_;
 };
 
 }  // namespace plumbline

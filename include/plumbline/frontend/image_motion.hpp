@@ -1,7 +1,6 @@
 #pragma once
-/// The pose of a frame from the pixels around all landmarks that the previous frame saw, before any of them is
-/// followed.
-///                                                                                          docs/math/direct.md
+/// Pose of a frame by sparse image alignment: from the patches around all landmarks in the previous image, before the
+/// features are tracked.                                                                        docs/math/direct.md
 
 #include <array>
 #include <cstddef>
@@ -17,8 +16,9 @@
 namespace plumbline {
 
 struct ImageMotionOptions : ImageAlignmentOptions {
-  double sigma_rotation = 0.05;     ///< of a prediction that does not say how sure it is [rad]
-  double sigma_translation = 0.05;  ///< of the same, in mean depths
+  double sigma_rotation = 0.05;  ///< prior sigma of the predicted rotation when the prediction has none [rad]
+  /// Prior sigma of the predicted translation when the prediction has none, relative to the mean range.
+  double sigma_translation = 0.05;
 };
 
 template <SensorRig Sensors, int MaxSamples>
@@ -36,28 +36,28 @@ class ImageMotion {
   void clear() { samples_.clear(); }
   void add(const AlignmentSample<S>& sample) { samples_.push_back(sample); }
 
-  /// Moves T, where the body is expected, to where the previous image fits best. Leaves it alone where that is not
-  /// clear.
+  /// Moves a predicted pose to the best alignment with the previous image. False, and the pose unchanged, when the
+  /// alignment is not valid.
   bool align(const View<Sensors>& view, const PosePrior<S>& prior, SE3<S>& T_world_body) {
     const SE3<S> T_cur_prev = T_world_body.inverse() * view.T_world_previous;
-    const auto believed = IncrementPrior<S>::of(T_cur_prev, prior.valid ? prior.sigma : wide());
+    const auto increment_prior = IncrementPrior<S>::of(T_cur_prev, prior.valid ? prior.sigma : default_sigma());
     scratch_.resize(samples_.size());
     errors_.resize(samples_.size());
     ImageAligner<typename Sensors::Camera> aligner(view.camera(), view.T_body_cam, {samples_.data(), samples_.size()},
                                                    {scratch_.data(), scratch_.size()}, {errors_.data(), errors_.size()},
                                                    options_);
     const Levels previous = levels_of(view.previous), current = levels_of(view.current);
-    latest_ = aligner.align(previous, current, believed, T_cur_prev);
+    latest_ = aligner.align(previous, current, increment_prior, T_cur_prev);
     if (latest_.valid) T_world_body = view.T_world_previous * latest_.T_cur_prev.inverse();
     return latest_.valid;
   }
 
-  /// What the last call found.
+  /// Result of the last call.
   const ImageAlignment<S>& latest() const { return latest_; }
 
  private:
-  /// sigma of [dphi, dp].
-  Vec<S, 6> wide() const {
+  /// Sigma of [dphi, dp] without a prior [rad, m].
+  Vec<S, 6> default_sigma() const {
     S inverse_range = S(0);
     for (const AlignmentSample<S>& sample : samples_) inverse_range += 1 / norm(sample.p_body);
     const S range = samples_.empty() ? S(1) : S(samples_.size()) / inverse_range;

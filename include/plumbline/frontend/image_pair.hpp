@@ -1,5 +1,5 @@
 #pragma once
-/// The image of a frame beside the one that it is compared with.
+/// The pyramids of the current image and of the one that it is compared with.
 
 #include <algorithm>
 #include <array>
@@ -23,6 +23,7 @@ class ImagePair {
 
   explicit ImagePair(const RotationAlignmentOptions& options) : options_(options) {}
 
+  /// Whether gray and depth image have the size of the rig.
   static bool has_right_size(const Sensors& rig, const Frame& frame) {
     if (frame.gray.width != rig.vision.width || frame.gray.height != rig.vision.height) return false;
     if constexpr (Sensors::has_depth) {
@@ -32,10 +33,10 @@ class ImagePair {
     return true;
   }
 
-  /// Takes in the image of a new frame. False when it is too small or too large.
-  bool see(const Frame& frame) { return pyramids_[1 - kept_].build(frame.gray); }
+  /// Builds the pyramid of a new image. False when it is too small or too large.
+  bool take_in(const Frame& frame) { return pyramids_[1 - kept_].build(frame.gray); }
 
-  /// The new frame beside the kept one.
+  /// The new frame with the kept one as the previous image.
   View<Sensors> view(const Sensors& rig, const Frame& frame, const SE3<S>& T_body_cam, const Readout<S>& readout,
                      S dt) const {
     const auto depth = [&]() -> ImageView<const std::uint16_t> {
@@ -53,8 +54,8 @@ class ImagePair {
             {rig.vision.camera, rig.vision.height, readout.value_s, readout.is_known()}};
   }
 
-  /// Whether the new image is the kept one again, as a camera that hangs delivers it: no two readings of a sensor are
-  /// equal in all pixels.
+  /// Whether the new image equals the kept one in all pixels of the coarsest level: a camera driver that repeats
+  /// images. Two exposures differ by noise.
   bool repeats() const {
     constexpr int coarsest = RigPyramid<Sensors>::levels - 1;
     const auto &a = pyramids_[0].level(coarsest), &b = pyramids_[1].level(coarsest);
@@ -65,18 +66,20 @@ class ImagePair {
     return true;
   }
 
-  /// Whether the new image has a fair share of the contrast of the kept one: dark ones and walls have not.
-  bool shows_something() const { return contrast(1 - kept_) > least_contrast * contrast(kept_); }
+  /// Whether the contrast of the new image is more than a quarter of that of the kept one; black images and blank walls
+  /// have less.
+  bool has_contrast() const { return contrast(1 - kept_) > least_contrast * contrast(kept_); }
 
-  /// The new image is the one that the next is compared with.
+  /// Keeps the new image, with its pose, for the comparison with the next one.
   void keep(const View<Sensors>& view, const SE3<S>& T_world_body) {
     kept_ = &view.current == &pyramids_[0] ? 0 : 1;
     T_world_kept_ = T_world_body;
   }
 
-  /// Rotation of the camera from the previous to the current image by their coarsest pixels: of one that moved from
-  /// place to place as in `T_cur_prev`, `range` from all it sees, or of one that did not, whichever fits better.
-  /// After a gap rotations all around the expected one are tried as well.
+  /// Rotation of the camera from the previous to the current image by alignment of their thumbnails. Two hypotheses are
+  /// compared and the one with the lower cost is returned: a camera with the predicted motion `T_cur_prev` at the
+  /// distance `range` from the scene, and a stationary one. With `after_gap` a grid of rotations around the predicted
+  /// one is searched first.
   RotationAlignment<S> align_motion(const View<Sensors>& view, const SE3<S>& T_cur_prev, S range, bool after_gap) {
     thumbnail_.build(view.previous);
     rotation_.set_previous(view.camera(), thumbnail_);
@@ -91,30 +94,30 @@ class ImagePair {
   }
 
  private:
-  static constexpr float least_contrast = 0.25f;
+  static constexpr float least_contrast = 0.25f;    ///< relative to the kept image
   static constexpr int search_x = 5, search_y = 3;  ///< steps of the search to either side
-  static constexpr float search_step_px = 3;        ///< of the coarsest pixels
+  static constexpr float search_step_px = 3;        ///< in pixels of the thumbnail
 
   static RotationAlignment<S> better(const RotationAlignment<S>& a, const RotationAlignment<S>& b) {
     return b.valid && (!a.valid || b.cost < a.cost) ? b : a;
   }
 
-  /// Of rotations on a grid, the one whose coarsest pixels fit best.
+  /// The rotation with the lowest cost on a grid around the predicted one.
   SO3<S> search(const typename Sensors::Camera& camera, const SE3<S>& T_cur_prev, S range) const {
-    RotationAlignmentOptions one_look = options_;
-    one_look.max_iterations = 1;
+    RotationAlignmentOptions one_iteration = options_;
+    one_iteration.max_iterations = 1;
     const S step = S(search_step_px * thumbnail_.scale()) / S(effective_focal_length(camera));
     RotationAlignment<S> best;
     for (int y = -search_y; y <= search_y; ++y) {
       for (int x = -search_x; x <= search_x; ++x) {
         const SO3<S> R = SO3<S>::exp({S(y) * step, S(x) * step, S(0)}) * T_cur_prev.rotation();
-        best = better(best, rotation_.align(camera, thumbnail_, R, Vec<S, 3>(T_cur_prev.p() / range), one_look));
+        best = better(best, rotation_.align(camera, thumbnail_, R, Vec<S, 3>(T_cur_prev.p() / range), one_iteration));
       }
     }
     return best.R_cur_prev;
   }
 
-  /// Mean difference of neighbours in the coarsest image.
+  /// Mean absolute difference of horizontal neighbors in the coarsest level.
   float contrast(int k) const {
     const auto& image = pyramids_[std::size_t(k)].level(RigPyramid<Sensors>::levels - 1);
     float sum = 0;

@@ -1,5 +1,5 @@
 #pragma once
-/// Where a line is: from the depth beside it, or from the planes of two views with parallax.  docs/math/line.md
+/// Initialization of a line: from the depth beside it, or from the planes of two views with parallax. docs/math/line.md
 
 #include <array>
 #include <cmath>
@@ -20,7 +20,7 @@ namespace plumbline {
 
 namespace detail {
 
-/// A line in its anchor's camera becomes the landmark's, if it is sound.
+/// Sets the line of a landmark, in the camera of its anchor; the landmark is located if the line is sound.
 template <class Landmark, class S>
 void adopt_line(Landmark& landmark, const Line3<S>& line, const Mat<S, 4, 4>& covariance) {
   const LineReprojection<S>& seen = landmark.seen_by_anchor().pixels.measured;
@@ -30,14 +30,14 @@ void adopt_line(Landmark& landmark, const Line3<S>& line, const Mat<S, 4, 4>& co
   landmark.located = landmark.seen_by_anchor().valid && landmark.geometry.is_sound(seen);
 }
 
-/// Rows of what the anchor measured, by the line.
+/// Adds the rows of a measurement by the anchor, by the line.
 template <class Measurement>
 void add_in_anchor(const SegmentMeasurement<Measurement>& seen, const Line3<typename Measurement::Scalar>& line,
                    DenseNormalEquations<double, 4>& system) {
   const auto lin = AnchoredLine<Measurement>{seen.measured}.linearize_in_anchor(line);
   if (lin.valid) system.add(product(seen.L, lin.J_r_line), product(seen.L, lin.r), 1.0);
 }
-/// The same of another frame.
+/// The same for another frame.
 template <class Measurement, class S>
 void add_in_target(const SegmentMeasurement<Measurement>& seen, const RelativeView<S>& view, const Line3<S>& line,
                    DenseNormalEquations<double, 4>& system) {
@@ -47,7 +47,7 @@ void add_in_target(const SegmentMeasurement<Measurement>& seen, const RelativeVi
 
 }  // namespace detail
 
-/// The line from the depth measured by the frame in `slot`, which becomes its anchor.
+/// Locates the line from the depth measured by the frame in `slot`, which becomes its anchor.
 template <class Landmark>
 void locate_in_frame(Landmark& landmark, int slot) {
   using S = typename Landmark::Kind::Scalar;
@@ -64,8 +64,8 @@ void locate_in_frame(Landmark& landmark, int slot) {
   detail::adopt_line(landmark, line, cast_to<S>(covariance));
 }
 
-/// The line from its edge in the anchor, and edge and depth in the latest frame; or, without depth, from the two
-/// planes.
+/// Locates the line from its edge in the anchor, and edge and depth in the latest frame; without depth from the planes
+/// of the two edges.
 template <class Landmark, class S>
 void locate_line(Landmark& landmark, const RelativeView<S>& latest, const LineTriangulationOptions& options,
                  const SE3<S>& T_latest_anchor) {
@@ -108,7 +108,7 @@ void locate_line(Landmark& landmark, const RelativeView<S>& latest, const LineTr
   if (found.valid) detail::adopt_line(landmark, found.line, found.covariance);
 }
 
-/// A segment as the filter of its ends takes it.
+/// The rays of a segment with their covariance in angles, input of SegmentDepthFilter.
 template <class S>
 SegmentRays<S> rays_of(const SegmentMeasurement<LineReprojection<S>>& pixels) {
   const LineReprojection<S>& seen = pixels.measured;
@@ -119,7 +119,8 @@ SegmentRays<S> rays_of(const SegmentMeasurement<LineReprojection<S>>& pixels) {
   return out;
 }
 
-/// The line from its edge in the anchor and the filtered inverse ranges of both ends:
+/// Locates the line from its edge in the anchor and the filtered inverse ranges of both ends:
+///                                                                                             docs/math/direct.md (21)
 ///   r_i = lambda_i(line) + beta_i delta_i - mu_i,   delta_i = nh . b_i of the anchor's edge                   (21)
 template <class Landmark, class S>
 void locate_from_ends(Landmark& landmark, const SegmentDepthFilter<S>& filter) {

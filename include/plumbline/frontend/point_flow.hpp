@@ -1,7 +1,8 @@
 #pragma once
-/// Points by optical flow and by their pixels in the anchor: flow finds them whatever the motion, the anchor's pixels,
-/// warped as the estimated motion says, keep them from sliding. Landmarks out of sight stay in the store and are looked
-/// for where the estimated pose puts them.                              docs/math/tracking.md, docs/math/point.md
+/// Front end of points by optical flow and feature alignment: flow tracks a point from image to image; alignment with
+/// its patch in the anchor, warped by the estimated motion, removes the drift of the track. Landmarks out of view stay
+/// in the store and are searched near their projections by the estimated pose.
+///                                                                            docs/math/tracking.md, docs/math/point.md
 
 #include <algorithm>
 #include <cmath>
@@ -23,14 +24,14 @@
 namespace plumbline {
 
 struct PointFlowOptions {
-  double sigma_px = 0.2;  ///< of an aligned observation with all the texture one could wish
-  /// Of a pixel, in root mean squares of what the alignment left of its patch: these errors are correlated.
+  double sigma_px = 0.2;  ///< sigma of an aligned observation of a patch with strong texture [px]
+  /// Intensity sigma of an aligned observation, in rms residuals of its patch; above 1 because they are correlated.
   double sigma_residual = 4;
-  double sigma_flow_px = 1.0;  ///< of a frame-to-frame observation
-  int target_count = 180;      ///< corners are detected until this many landmarks are in sight
-  int max_searches = 200;      ///< landmarks out of track that one frame looks for
-  int min_views = 1;           ///< besides the anchor, that agree on where a point without depth is
-  float max_drift_px = 2.0f;   ///< flow and alignment with the anchor may differ by this much
+  double sigma_flow_px = 1.0;  ///< sigma of an observation by optical flow alone [px]
+  int target_count = 180;      ///< corners are added until this many landmarks are in view
+  int max_searches = 200;      ///< largest number of landmarks out of view that one frame searches
+  int min_views = 1;           ///< views besides the anchor that must agree to locate a point without depth
+  float max_drift_px = 2.0f;   ///< largest distance between the results of flow and alignment [px]
   OpticalFlowOptions flow;
   AlignmentOptions alignment;
   SlantOptions slant;
@@ -38,9 +39,10 @@ struct PointFlowOptions {
   TriangulationOptions triangulation;
 };
 
-/// Of a rig: beside the readings of an IMU an aligned point must weigh what it is worth, or the scale follows their
-/// errors. Where images are all there is only the weights among points matter. What moves with the camera has no depth,
-/// and one view locates it as if it stood there.                            docs/math/point.md, docs/math/geometry.md 4
+/// Default options of a rig. With an IMU the sigmas of aligned points must be accurate, because the scale depends on
+/// their weight against IMU factors; without one only their ratios matter. Points without measured depth on an RGB-D
+/// rig may move with the camera, and a single view would locate them wrongly.
+///                                                                          docs/math/point.md, docs/math/geometry.md 4
 template <SensorRig Sensors>
 struct PointOptionsOf : PointFlowOptions {
   constexpr PointOptionsOf() {
@@ -60,7 +62,7 @@ class PointFlow {
   using S = typename Kind::Scalar;
   using Landmark = typename Store::Landmark;
   using Options = PointOptionsOf<Sensors>;
-  static constexpr bool votes = true;
+  static constexpr bool gives_correspondences = true;
   static constexpr bool relates_two_views = true;  ///< by for_each_pair
 
   explicit PointFlow(const PointFlowOptions& options) : options_(options) {}
@@ -76,7 +78,7 @@ class PointFlow {
     }
   }
 
-  /// Gives take(index, correspondence) of every located landmark that the frame sees.
+  /// take(index, correspondence) for every located landmark observed by the frame.
   void for_each_correspondence(const View<Sensors>& view, const auto& window, const Store& store, auto&& take) const {
     const S sigma_rad = S(options_.sigma_flow_px) / effective_focal_length(view.camera());
     for (std::size_t i = 0; i < store.landmarks().size(); ++i) {
@@ -96,7 +98,7 @@ class PointFlow {
   void refine(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
     const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
     int searches = 0;
-    // Which landmarks get searched for rotates, so that none is left out for ever.
+    // The search begins at another landmark in every frame, so that none is left out permanently.
     auto& landmarks = store.landmarks();
     const std::size_t n = landmarks.size();
     for (std::size_t k = 0; k < n; ++k) {
@@ -128,7 +130,7 @@ class PointFlow {
     if (n > 0) first_search_ = (first_search_ + static_cast<std::size_t>(options_.max_searches)) % n;
   }
 
-  /// By the frame's depth, or by parallax where there is enough, against keyframes too where one view is not believed.
+  /// Locates points by measured depth or by triangulation; with `min_views` > 1 the views of keyframes are included.
   void locate(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
     const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
     const S sigma_rad = S(options_.sigma_flow_px) / effective_focal_length(view.camera());
@@ -152,8 +154,8 @@ class PointFlow {
     }
   }
 
-  /// New landmarks from corners, beside those in sight; and those without depth so far, by the keyframe's. Of what is
-  /// in sight the keyframe shows how its surface slants.
+  /// In a keyframe: locates points by its depth, updates the surface slants of landmarks in view, and adds new
+  /// landmarks at corners away from those in view.
   void detect(const View<Sensors>& view, const auto& window, Store& store, int slot) {
     const SE3<S> T_world_cam = window.T_world_body(slot) * view.T_body_cam, T_cam_world = T_world_cam.inverse();
     for (Landmark& landmark : store.landmarks()) {
@@ -162,14 +164,14 @@ class PointFlow {
       if (!ray.valid) continue;
       locate_from_depth(landmark, ray.bearing, T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam));
     }
-    learn_slants(view, window, store, T_cam_world);
-    in_sight_.clear();
+    update_slants(view, window, store, T_cam_world);
+    in_view_.clear();
     for (const Landmark& landmark : store.landmarks()) {
-      if (landmark.current.valid) in_sight_.push_back(landmark.current.pixel);
+      if (landmark.current.valid) in_view_.push_back(landmark.current.pixel);
     }
     corners_.clear();
-    detect_corners(view.current.level(0), in_sight_.data(), in_sight_.size(), options_.corners, corners_);
-    int missing = options_.target_count - static_cast<int>(in_sight_.size());
+    detect_corners(view.current.level(0), in_view_.data(), in_view_.size(), options_.corners, corners_);
+    int missing = options_.target_count - static_cast<int>(in_view_.size());
     for (const Corner& corner : corners_) {
       if (missing <= 0) break;
       Landmark landmark;
@@ -178,7 +180,7 @@ class PointFlow {
       if (!ray.valid || !landmark.appearance.patch.capture(view.current, corner.uv)) continue;
       auto& point = landmark.geometry;
       point.bearing = ray.bearing;
-      point.slope.set(view.shutter.bearing_slope(corner.uv.template cast<S>(), ray.bearing, S(0)));
+      point.derivative.set(view.shutter.bearing_derivative(corner.uv.template cast<S>(), ray.bearing, S(0)));
       if (const InverseDepth<S>& depth = landmark.current.depth.get(); depth.valid) {
         landmark.located = true;
         point.inverse_range = depth.value * ray.bearing.z();
@@ -189,7 +191,7 @@ class PointFlow {
     }
   }
 
-  /// Gives visit(bearing in the anchor, bearing now) of every landmark anchored in `slot` that the frame sees.
+  /// visit(bearing in the anchor, bearing now) for every landmark anchored in `slot` that the frame observes.
   void for_each_pair(const View<Sensors>& view, const Store& store, int slot, auto&& visit) const {
     for (const Landmark& landmark : store.landmarks()) {
       if (landmark.anchor != slot || !landmark.current.valid) continue;
@@ -198,13 +200,14 @@ class PointFlow {
     }
   }
 
-  // For front ends of one's own that follow points in another way.
+  // For other front ends of points.
 
-  /// Where the current image should show a landmark that the previous one shows; the same place where that is nowhere.
+  /// Predicted pixel of a landmark in view of the previous image; its previous pixel if the prediction is outside the
+  /// image.
   static Vec<float, 2> expected(const View<Sensors>& view, const auto& window, const Landmark& landmark,
                                 const SE3<S>& T_cam_world) {
     Vec<S, 3> p_cam;
-    S inverse_range = S(landmark.current.slope.get().inverse_range);
+    S inverse_range = S(landmark.current.derivative.get().inverse_range);
     if (landmark.located) {
       p_cam = T_cam_world * p_world(landmark, window, view.T_body_cam);
       inverse_range = S(1) / norm(p_cam);
@@ -218,15 +221,15 @@ class PointFlow {
     return inside(view, seen, 0) ? Vec<float, 2>(seen.template cast<float>()) : landmark.current.pixel;
   }
 
-  /// The current image shows the landmark where its pixels in the anchor were found, or does not.
+  /// Sets the current observation from feature alignment, with its information; not valid if the alignment failed.
   void observe(const View<Sensors>& view, Landmark& landmark, const Alignment& aligned) const {
     observe(view, landmark, aligned.valid, aligned.uv);
-    constexpr float least_rms = 0.25f;  // of intensities that are whole numbers
+    constexpr float least_rms = 0.25f;  // quantization of intensities
     const float sigma_intensity = float(options_.sigma_residual) * std::max(aligned.rms, least_rms);
     if (aligned.valid)
       landmark.current.L = whitening_of(aligned.information_per_intensity, float(options_.sigma_px), sigma_intensity);
   }
-  /// The current image shows the landmark at `pixel`, or does not.
+  /// Sets the current observation at `pixel` with the sigma of optical flow and measured depth, or as not valid.
   void observe(const View<Sensors>& view, Landmark& landmark, bool valid, const Vec<float, 2>& pixel) const {
     typename Kind::Observation& seen = landmark.current;
     seen.valid = valid;
@@ -235,18 +238,18 @@ class PointFlow {
       return;
     }
     landmark.misses = 0;
-    // As far away as a frame ago: that is near enough for the shutter.
-    const StillPixel<S> still = view.shutter.still(pixel.template cast<S>(), S(seen.slope.get().inverse_range));
+    // The inverse range of the previous frame is accurate enough for the correction of the shutter.
+    const StillPixel<S> still = view.shutter.still(pixel.template cast<S>(), S(seen.derivative.get().inverse_range));
     seen.pixel = pixel;
     seen.uv = still.uv.template cast<float>();
-    seen.slope.set(
-        {cast_to<float>(still.slope.by_turn), cast_to<float>(still.slope.by_shift), float(still.slope.inverse_range)});
+    seen.derivative.set({cast_to<float>(still.derivative.by_rotation), cast_to<float>(still.derivative.by_translation),
+                         float(still.derivative.inverse_range)});
     seen.L = identity<float, 2>() / float(options_.sigma_flow_px);
     if constexpr (Sensors::has_depth) seen.depth.set(view.rig.vision.depth.at(view.depth, pixel));
   }
 
  private:
-  static constexpr float border_px = 8;  ///< half an alignment patch and the interpolation's neighbour
+  static constexpr float border_px = 8;  ///< half an alignment patch and the interpolation's neighbor
 
   static bool inside(const View<Sensors>& view, const Vec<S, 2>& uv, float border) {
     return view.current.level(0).contains(float(uv.x()), float(uv.y()), border);
@@ -255,7 +258,8 @@ class PointFlow {
     return window.T_world_body(landmark.anchor) * (T_body_cam * Kind::middle(landmark.geometry));
   }
 
-  void learn_slants(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_cam_world) const {
+  /// Updates the surface slants of the located landmarks in view.
+  void update_slants(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_cam_world) const {
     const float f = float(effective_focal_length(view.camera()));
     for (Landmark& landmark : store.landmarks()) {
       if (!landmark.current.valid || !landmark.located) continue;
@@ -268,7 +272,7 @@ class PointFlow {
   }
 
   using Views = FixedVector<TriangulationView<S>, static_cast<std::size_t>(Store::slots) + 1>;
-  /// Those that saw the landmark, but its anchor.
+  /// Adds the views of all keyframes that observed the landmark, except its anchor.
   static void add_keyframes(const View<Sensors>& view, const auto& window, const Landmark& landmark, S sigma_rad,
                             Views& views) {
     const SE3<S> T_world_anchor = window.T_world_body(landmark.anchor) * view.T_body_cam;
@@ -287,7 +291,7 @@ class PointFlow {
     if (!depth.valid) return;
     const Vec<S, 3> p_anchor = T_cam_anchor.inverse() * Vec<S, 3>(bearing / (depth.value * bearing.z()));
     const S range = norm(p_anchor);
-    // The anchor's pixel and the depth elsewhere must tell of the same direction.
+    // The direction from the anchor to the measured point must agree with the bearing in the anchor.
     if (!(dot(p_anchor, landmark.geometry.bearing) > S(0.999) * range)) return;
     landmark.located = true;
     landmark.geometry.inverse_range = S(1) / range;
@@ -295,7 +299,7 @@ class PointFlow {
   }
 
   PointFlowOptions options_;
-  FixedVector<Vec<float, 2>, Store::capacity> in_sight_;
+  FixedVector<Vec<float, 2>, Store::capacity> in_view_;
   FixedVector<Corner, Store::capacity> corners_;
   std::size_t first_search_ = 0;
 };

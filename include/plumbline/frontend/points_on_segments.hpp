@@ -1,5 +1,5 @@
 #pragma once
-/// Which points in sight are on which of the segments that an image shows.                 docs/math/collinear.md
+/// Association of the points in view with the segments of an image.                         docs/math/collinear.md
 
 #include <algorithm>
 #include <array>
@@ -11,11 +11,12 @@
 
 namespace plumbline {
 
-/// `Members`: a list of {id, hint}, hint the place in the store; points beyond the first `capacity` are on none.
+/// `Members`: a list of {id, hint}, hint the index in the store; points beyond the first `capacity` are not associated.
 template <class Members, int capacity = 1024>
 class PointsOnSegments {
  public:
-  /// The segments that each point in sight is on, two at a corner; where there are more nobody knows which.
+  /// Associates each point in view with the segments within `within_px`, at most two (a corner); with none if there are
+  /// more.
   void associate(const auto& points, const auto& segments, float within_px) {
     segments_of_.clear();
     for (const auto& point : points.landmarks()) {
@@ -30,7 +31,7 @@ class PointsOnSegments {
     }
   }
 
-  /// As many as there is room for.
+  /// The points of a segment, up to the capacity of Members.
   Members of(std::size_t segment, const auto& points) const {
     Members out;
     for (std::size_t i = 0; i < segments_of_.size(); ++i) {
@@ -45,14 +46,14 @@ class PointsOnSegments {
   using Pair = std::array<int, 2>;
   static constexpr int none = -1;
 
-  /// Of a pixel to a segment, not to the line beyond its ends.
+  /// Distance of a pixel to a segment, not to its infinite line [px].
   static float distance_to(const LineSegment& segment, const Vec<float, 2>& uv) {
     const Vec<float, 2> extent = segment.end - segment.start, off = uv - segment.start;
     const float along = std::clamp(dot(off, extent) / squared_norm(extent), 0.0f, 1.0f);
     return norm(off - along * extent);
   }
 
-  FixedVector<Pair, capacity> segments_of_;  ///< of each point, by its place in the store
+  FixedVector<Pair, capacity> segments_of_;  ///< of each point, by its index in the store
 };
 
 }  // namespace plumbline

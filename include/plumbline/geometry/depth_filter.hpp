@@ -4,7 +4,7 @@
 ///
 ///   p(x | lambda, pi) = pi N(x; lambda, tau^2) + (1 - pi) U(x; range Z)                                      (12)
 ///   S  = sigma^2 + tau^2,   s2 = (1/sigma^2 + 1/tau^2)^-1,   m = s2 (mu/sigma^2 + x/tau^2)
-///   C1 = a/(a+b) N(x; mu, S),   C2 = b/(a+b)/Z,   normalised to C1 + C2 = 1
+///   C1 = a/(a+b) N(x; mu, S),   C2 = b/(a+b)/Z,   normalized to C1 + C2 = 1
 ///   mu' = C1 m + C2 mu,   sigma'^2 = C1 (s2 + m^2) + C2 (sigma^2 + mu^2) - mu'^2                              (13)
 ///   f = C1 (a+1)/(a+b+1) + C2 a/(a+b+1)
 ///   e = C1 (a+1)(a+2)/((a+b+1)(a+b+2)) + C2 a(a+1)/((a+b+1)(a+b+2))

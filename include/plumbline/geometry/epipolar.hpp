@@ -1,5 +1,5 @@
 #pragma once
-/// What two bearings of one point say about the relative pose of two calibrated views.      docs/math/geometry.md 5
+/// Epipolar constraint of two bearings of one point in two calibrated views.                docs/math/geometry.md 5
 ///
 ///   e = f2 . (t x R f1) / |t x R f1|     sine of the angle between f2 and the epipolar plane                   (14)
 ///                                        (R, t) = T_2_1, |t| = 1
@@ -35,8 +35,8 @@ S epipolar_error(const BearingPair<S>& pair, const SO3<S>& R, const Vec<S, 3>& t
 
 /// The translation (15) with the smallest sum of squared errors (14), each of them cut off at the gate.
 template <class S>
-bool vote_translation(std::span<const BearingPair<S>> pairs, const SO3<S>& R, S gate, int hypotheses,
-                      std::uint64_t seed, Vec<S, 3>& best) {
+bool consensus_translation(std::span<const BearingPair<S>> pairs, const SO3<S>& R, S gate, int hypotheses,
+                           std::uint64_t seed, Vec<S, 3>& best) {
   Random random(seed);
   const std::uint32_t n = static_cast<std::uint32_t>(pairs.size());
   const auto normal = [&](std::uint32_t i) { return Vec<S, 3>((R * pairs[i].f1).cross(pairs[i].f2)); };

@@ -22,7 +22,7 @@ Mat<S, 3, 3> essential_matrix(const SE3<S>& T_2_1) {
   return product(hat(T_2_1.p()), T_2_1.R());
 }
 
-/// d of (20) [rad^2]; NaN where the pair says nothing.
+/// d of (20) [rad^2]; NaN where the pair has no constraint.
 template <class S>
 S sampson_error(const Mat<S, 3, 3>& E, const BearingPair<S>& pair) {
   S numerator = 0, denominator = 0;

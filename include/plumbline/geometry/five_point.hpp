@@ -38,7 +38,7 @@ inline constexpr std::array<Monomial, 10> quadratic{
     {{2, 0, 0}, {1, 1, 0}, {1, 0, 1}, {1, 0, 0}, {0, 2, 0}, {0, 1, 1}, {0, 1, 0}, {0, 0, 2}, {0, 0, 1}, {0, 0, 0}}};
 inline constexpr std::array<Monomial, 4> linear{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
 
-/// Where the product of monomial a of A and monomial b of B stands in C.
+/// Index in C of the product of monomial a of A and monomial b of B.
 template <std::size_t NA, std::size_t NB, std::size_t NC>
 constexpr std::array<std::array<int, NB>, NA> product_table(const std::array<Monomial, NA>& A,
                                                             const std::array<Monomial, NB>& B,
@@ -116,7 +116,7 @@ inline std::array<Cubic, 10> constraints(const std::array<Linear, 9>& E) {
   return out;
 }
 
-/// Gauss-Jordan elimination with row pivots; the rows above `first_kept` are not needed afterwards.
+/// Gauss-Jordan elimination with row pivots; the rows above `first_kept` are not needed afterward.
 inline bool eliminate(std::array<Cubic, 10>& M, std::size_t first_kept) {
   for (std::size_t c = 0; c < 10; ++c) {
     std::size_t pivot = c;

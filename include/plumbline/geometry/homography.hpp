@@ -94,8 +94,8 @@ struct HomographyError {
   }
 };
 
-/// Gauss-Newton on (24) with the weights of a Geman-McClure loss of that scale. The length of H, which no pair knows,
-/// is held by one row more.
+/// Gauss-Newton on (24) with the weights of a Geman-McClure loss of that scale. The norm of H, which no pair
+/// determines, is fixed by one row more.
 template <class S>
 bool refine_homography(std::span<const BearingPair<S>> pairs, S scale, int iterations, Mat<S, 3, 3>& H) {
   for (int iteration = 0; iteration < iterations; ++iteration) {
@@ -122,7 +122,7 @@ bool refine_homography(std::span<const BearingPair<S>> pairs, S scale, int itera
   return true;
 }
 
-/// What a homography says about the motion.
+/// The motions that a homography allows.
 template <class S>
 struct HomographyMotions {
   bool valid = false;

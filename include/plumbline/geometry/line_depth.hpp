@@ -5,9 +5,9 @@
 ///                                         exactly affine on a plane surface;  g ~ N(0, (slope (l_a + l_b)/2)^2)
 ///   Sigma = (sum [1-s, s]^T [1-s, s] / sigma^2 - h h^T / H_g)^-1  max(1, samples / independent_samples)       (27)
 /// Inverse depth is what disparity sensors measure with constant noise; least squares of points in space would weigh
-/// the far end wrongly. What is seen beside an edge is not at its depth: on the outward edges of a body both sides recede.
-/// An edge often is where a near surface ends: of the two sides the NEARER one owns it. They are told apart as lines: a
-/// single pair of samples does not show a step that all of them do.
+/// the far end wrongly. The surface beside an edge is not at its depth: on outward edges of a body both sides recede.
+/// An edge often is where a near surface ends: it belongs to the NEARER of the two sides. They are separated as lines:
+/// a single pair of samples does not show a step that all of them do.
 
 #include <algorithm>
 #include <cmath>
@@ -32,7 +32,7 @@ struct LineDepthOptions {
   double inlier_sigmas = 3;
   double min_inliers = 0.6;          ///< share of the samples
   double min_extent = 0.5;           ///< of the segment between the outermost inliers
-  double independent_samples = 8;    ///< neighbouring pixels err together: more samples than these do not add up
+  double independent_samples = 8;    ///< neighboring pixels err together: more samples than these do not add up
   double max_relative_sigma = 0.05;  ///< of the inverse depth at both ends
   double slope = 1.7;                ///< of a surface, of (26): seen at 60 degrees
 };
@@ -73,27 +73,27 @@ Mat<S, 2, 2> inverse_of_symmetric(const Mat<S, 2, 2>& A) {
   return out;
 }
 
-/// The affine function of s that most samples agree on, then weighted least squares of those by (26). All samples are of
-/// one side.
+/// The affine function of s with the most inliers, then weighted least squares of these by (26). All samples are of one
+/// side.
 template <class S>
 LineDepth<S> fit_line_depth(std::span<const LineDepthSample<S>> samples, const LineDepthOptions& options = {}) {
-  constexpr std::size_t max_voters = 12;  // at most 66 pairs
+  constexpr std::size_t max_samples = 12;  // at most 66 pairs
   LineDepth<S> out;
-  const std::size_t n = samples.size(), voters = std::min(n, max_voters);
+  const std::size_t n = samples.size(), sampled = std::min(n, max_samples);
   S slope = 0;  // g of (26)
-  const auto agrees = [&](const LineDepthSample<S>& x, const Vec<S, 2>& l) {
+  const auto is_inlier = [&](const LineDepthSample<S>& x, const Vec<S, 2>& l) {
     const S expected = (1 - x.along) * l[0] + x.along * l[1] + x.across * slope;
     return std::abs(expected - x.inverse_depth) < S(options.inlier_sigmas) * x.sigma;
   };
-  for (std::size_t i = 0; i < voters; ++i) {
-    for (std::size_t j = i + 1; j < voters; ++j) {
-      const LineDepthSample<S>&a = samples[i * n / voters], &b = samples[j * n / voters];
+  for (std::size_t i = 0; i < sampled; ++i) {
+    for (std::size_t j = i + 1; j < sampled; ++j) {
+      const LineDepthSample<S>&a = samples[i * n / sampled], &b = samples[j * n / sampled];
       const S change = (b.inverse_depth - a.inverse_depth) / (b.along - a.along);
       if (!(std::abs(b.along - a.along) > S(0.25))) continue;
       const S l_a = a.inverse_depth - change * a.along;
       const Vec<S, 2> l(l_a, l_a + change);
-      const int inliers =
-          static_cast<int>(std::count_if(samples.begin(), samples.end(), [&](const auto& x) { return agrees(x, l); }));
+      const int inliers = static_cast<int>(
+          std::count_if(samples.begin(), samples.end(), [&](const auto& x) { return is_inlier(x, l); }));
       if (inliers <= out.inliers) continue;
       out.inliers = inliers;
       out.inverse_depth = l;
@@ -109,7 +109,7 @@ LineDepth<S> fit_line_depth(std::span<const LineDepthSample<S>> samples, const L
     out.inliers = 0;
     first = 1, last = 0;
     for (const LineDepthSample<S>& x : samples) {
-      if (!agrees(x, out.inverse_depth)) continue;
+      if (!is_inlier(x, out.inverse_depth)) continue;
       const Vec<S, 2> row(1 - x.along, x.along);
       const S weight = 1 / (x.sigma * x.sigma);
       H += weight * row * row.transpose();

@@ -31,7 +31,7 @@ struct LineTriangulationOptions {
   double min_angle_rad = 0.035;  ///< between two of the planes
   double min_angle_sigmas = 5;   ///< the same in units of the planes' noise
   double min_significance = 3;   ///< inverse depth of both ends over its standard deviation
-  double min_distance = 0.02;    ///< to the anchor's centre [m]
+  double min_distance = 0.02;    ///< to the anchor's center [m]
   double max_chi2_per_dof = 9;   ///< worse fits are wrong matches
 };
 

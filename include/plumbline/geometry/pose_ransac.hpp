@@ -6,7 +6,7 @@
 ///   d        = 1/p_z - measured, for points whose depth was measured
 ///   n(w)     = log(1 - confidence) / log(1 - w^3) samples, w = the best inlier ratio so far                     (6)
 ///   r        = p/|p| - b,  J_r_T = (I - n n^T)/|p| [-R [p_world]x, R],  n = p/|p|                               (7)
-/// Bearings alone decide who is an inlier; depth tells poses apart that see the same bearings (few points, or all on a
+/// Inliers are decided by bearings alone; depth distinguishes poses with the same bearings (few points, or all on a
 /// plane). The prior pose is the first hypothesis. The same input gives the same output.
 
 #include <algorithm>
@@ -75,7 +75,7 @@ struct BearingError {
 
 namespace pose_ransac_detail {
 
-/// MSAC cost (5); gives up as soon as it exceeds `limit`. Marks inliers where asked to.
+/// MSAC cost (5); ends as soon as it exceeds `limit`. Marks inliers on request.
 template <class S, std::size_t Capacity>
 S cost(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondences, const SE3<S>& T_cam_world, S chi2, S limit,
        PoseRansacResult<S, Capacity>* marked = nullptr) {
@@ -137,11 +137,11 @@ SE3<S> refine(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondence
 
 }  // namespace pose_ransac_detail
 
-/// Of the poses for which admits(T_cam_world) holds.
+/// Of the poses for which passes_gate(T_cam_world) holds.
 template <class S, std::size_t Capacity>
 PoseRansacResult<S, Capacity> ransac_pose(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondences,
                                           const SE3<S>& T_cam_world_prior, const PoseRansacOptions& options,
-                                          auto&& admits) {
+                                          auto&& passes_gate) {
   using pose_ransac_detail::cost;
   using Outcome = PoseRansacResult<S, Capacity>;
   const std::size_t n = correspondences.size();
@@ -150,7 +150,7 @@ PoseRansacResult<S, Capacity> ransac_pose(const FixedVector<PoseCorrespondence<S
   Outcome best;
 
   const auto adopt_if_better = [&](const SE3<S>& T) {
-    if (!(cost(correspondences, T, chi2, best_cost) < best_cost) || !admits(T)) return false;
+    if (!(cost(correspondences, T, chi2, best_cost) < best_cost) || !passes_gate(T)) return false;
     best = Outcome{};
     best.T_cam_world = T;
     best_cost = cost(correspondences, T, chi2, infinity, &best);

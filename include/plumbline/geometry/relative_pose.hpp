@@ -1,12 +1,12 @@
 #pragma once
 /// Relative pose of two calibrated views with nothing known beforehand: by a homography or an essential matrix,
-/// whichever the pairs speak for, and with the reasons not to believe it.                   docs/math/geometry.md 8
+/// whichever fits the pairs better, with the reason where it is rejected.                   docs/math/geometry.md 8
 ///
 ///   the simpler of two models holds if  S_simpler / (S_simpler + S_other) > 0.40,  S of (27)                  (30)
 ///   rotation against the better of the others, homography against essential matrix
 ///   ambiguous if another motion has more than 0.85 of the support (28) of the best                            (31)
 /// MSAC over four and over five pairs; every sample that is the best so far is refined by (24) or (16). Where (29)
-/// finds more noise than was said, the models are refined and judged again with it: with too small a noise every
+/// finds more noise than stated, the models are refined and scored again with it: with too small a noise every
 /// rotation looks like a motion. The motions (25) of a plane are compared as they are: (16) does not see the errors
 /// along the epipolar lines, and these hold them. The same input gives the same output, and the number of samples is
 /// bounded.
@@ -34,7 +34,7 @@
 namespace plumbline {
 
 enum class TwoViewModel : std::uint8_t { none, rotation, homography, essential };
-enum class TwoViewDoubt : std::uint8_t { none, few_pairs, no_agreement, rotation_only, little_parallax, ambiguous };
+enum class TwoViewFailure : std::uint8_t { none, few_pairs, no_consensus, rotation_only, little_parallax, ambiguous };
 
 struct RelativePoseOptions {
   double sigma_rad = 2e-3;  ///< of either bearing; rather too large than too small
@@ -60,7 +60,7 @@ class RelativePoseSearch {
       : pairs_(pairs), options_(options), sigma_(S(options.sigma_rad)), score_(pairs, sigma_), random_(options.seed) {}
 
   /// At least five pairs.
-  TwoViewDoubt run(const SO3<S>& R_guess) {
+  TwoViewFailure run(const SO3<S>& R_guess) {
     search_homography();
     HomographyMotions<S> of_plane = motions_of_homography(H_);
     search_motion(R_guess, of_plane);
@@ -71,15 +71,16 @@ class RelativePoseSearch {
     }
     search_rotation(R_guess, of_plane.R_nearest);
     scores[2] = score_.essential(essential_matrix(best.T_2_1));
-    if (best.pairs < options_.min_inliers) return TwoViewDoubt::no_agreement;
+    if (best.pairs < options_.min_inliers) return TwoViewFailure::no_consensus;
     if (simpler(scores[0], std::max(scores[1], scores[2]))) {  // (30)
       model = TwoViewModel::rotation;
       best.T_2_1 = SE3<S>(R_, best.T_2_1.p());
-      return TwoViewDoubt::rotation_only;
+      return TwoViewFailure::rotation_only;
     }
     model = simpler(scores[1], scores[2]) ? TwoViewModel::homography : TwoViewModel::essential;
     model == TwoViewModel::homography ? compare_motions_of_plane(of_plane) : compare_motions(of_plane);
-    return rival.support > S(options_.max_rival) * best.support ? TwoViewDoubt::ambiguous : TwoViewDoubt::none;  // (31)
+    return rival.support > S(options_.max_rival) * best.support ? TwoViewFailure::ambiguous
+                                                                : TwoViewFailure::none;  // (31)
   }
 
   TwoViewModel model = TwoViewModel::none;
@@ -165,7 +166,7 @@ class RelativePoseSearch {
       adopt(refined(sampled.T_2_1, S(8), 3));
     };
     Vec<S, 3> t;
-    if (vote_translation(pairs_, R_guess, 10 * sigma_, 20, random_.next(), t)) {
+    if (consensus_translation(pairs_, R_guess, 10 * sigma_, 20, random_.next(), t)) {
       offer(std::array<SE3<S>, 2>{SE3<S>(R_guess, t), SE3<S>(R_guess, -t)});
     }
     offer(of_plane.T_2_1);
@@ -219,10 +220,10 @@ class RelativePoseSearch {
 
 template <class S, std::size_t Capacity>
 struct RelativePose {
-  bool valid = false;  ///< found, and without doubt
-  TwoViewDoubt doubt = TwoViewDoubt::few_pairs;
+  bool valid = false;  ///< found, and no reason to reject it
+  TwoViewFailure failure = TwoViewFailure::few_pairs;
   TwoViewModel model = TwoViewModel::none;
-  TwoView<S, Capacity> two_view;  ///< the best that was found, whatever the doubt; of a rotation p means nothing
+  TwoView<S, Capacity> two_view;  ///< the best that was found, rejected or not; of a rotation p means nothing
   SupportedMotion<S> rival;       ///< the next best that is another motion: the one of the two if `ambiguous`
   S rival_part = S(0);            ///< its support by that of the best
   S noise_rad = S(0);             ///< (29)
@@ -241,7 +242,7 @@ class RelativePoseSolver {
     Outcome out;
     if (pairs.size() < 8 || pairs.size() < std::size_t(options.min_inliers)) return out;
     RelativePoseSearch<S> search(pairs, options);
-    out.doubt = search.run(R_guess);
+    out.failure = search.run(R_guess);
     out.model = search.model;
     out.rival = search.rival;
     out.rival_part = search.best.support > S(0) ? search.rival.support / search.best.support : S(0);
@@ -249,10 +250,10 @@ class RelativePoseSolver {
     out.scores = search.scores;
     const SE3<S>& T_2_1 = search.best.T_2_1;
     out.two_view.describe(pairs, T_2_1.rotation(), T_2_1.p(), S(options.gate * options.sigma_rad));
-    if (out.doubt == TwoViewDoubt::none && !(out.two_view.parallax > S(options.min_parallax_rad))) {
-      out.doubt = TwoViewDoubt::little_parallax;
+    if (out.failure == TwoViewFailure::none && !(out.two_view.parallax > S(options.min_parallax_rad))) {
+      out.failure = TwoViewFailure::little_parallax;
     }
-    out.valid = out.doubt == TwoViewDoubt::none && out.two_view.valid;
+    out.valid = out.failure == TwoViewFailure::none && out.two_view.valid;
     return out;
   }
 };

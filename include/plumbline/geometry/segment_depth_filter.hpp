@@ -43,8 +43,8 @@ class SegmentDepthFilter {
   bool known() const { return ends_[0].depth.known(); }
   const std::array<End, 2>& ends() const { return ends_; }
 
-  /// What another view of the line says of both ends of the anchor's segment; nothing where its plane (nearly) holds
-  /// the baseline. The ends of the two segments need not be the same points.
+  /// Fuses the depths of both ends of the anchor's segment from another view of the line; not where its plane (nearly)
+  /// contains the baseline. The ends of the two segments need not be the same points.
   void update(const SegmentRays<S>& anchor, const SegmentRays<S>& seen, const SE3<S>& T_seen_anchor) {
     constexpr S min_sine = S(0.17);  // 10 degrees between the edge and the way of the point in the image
     const Vec<S, 3> normal = seen.start.cross(seen.end), m_a = normalized(anchor.start.cross(anchor.end));

@@ -1,7 +1,7 @@
 #pragma once
 /// Relative pose of two calibrated views, the length of the translation left open, from a first guess of the rotation.
 ///                                                                                       docs/math/geometry.md 5
-///   (15) votes for the translation, (16) refines both: a gyroscope's bias makes the guess wrong by degrees
+///   (15) is the consensus for the translation, (16) refines both: a gyroscope's bias makes the guess wrong by degrees
 ///   front:  -(f2 x R f1) . (f2 x t) > 0, the inverse range by (11) up to a positive factor
 /// Which of +-t holds is what puts most points in front of both views. The same input gives the same output.
 
@@ -31,7 +31,7 @@ struct TwoViewOptions {
 
 template <class S, std::size_t Capacity>
 struct TwoView {
-  bool valid = false;  ///< a pose was found at all; whether to believe it is for the caller to say by the figures
+  bool valid = false;  ///< a pose was found at all; the caller accepts or rejects it by the figures
   SE3<S> T_2_1;        ///< translation of length 1
   int inliers = 0;
   int in_front = 0;   ///< inliers in front of both views
@@ -75,7 +75,7 @@ class TwoViewSolver {
     SO3<S> R = R_guess;
     Vec<S, 3> t;
     // The first translation is that of a rotation which may be wrong by degrees: its gate is wide.
-    if (!vote_translation(all, R, S(10 * options.sigma_rad), options.hypotheses, options.seed, t)) return out;
+    if (!consensus_translation(all, R, S(10 * options.sigma_rad), options.hypotheses, options.seed, t)) return out;
     for (const S widening : {S(8), S(2)}) {
       if (!refine_epipolar(all, S(widening * options.sigma_rad), options.iterations, R, t)) return out;
     }

@@ -22,7 +22,7 @@
 
 namespace plumbline {
 
-/// A motion and what speaks for it.
+/// A motion and its support.
 template <class S>
 struct SupportedMotion {
   SE3<S> T_2_1;      ///< translation of length 1

@@ -1,5 +1,5 @@
 #pragma once
-/// A non-owning view of a row-major image: the caller keeps the pixels alive. Pixel (0,0) is the CENTRE of the top left
+/// A non-owning view of a row-major image: the caller keeps the pixels alive. Pixel (0,0) is the CENTER of the top left
 /// pixel. `stride` is the distance of two rows in pixels, so that a view may be a part of a larger image.
 
 #include <cmath>
@@ -36,7 +36,7 @@ struct ImageView {
   operator ImageView<const Pixel>() const requires(!std::is_const_v<Pixel>) { return {data, width, height, stride}; }
 };
 
-/// Bilinear interpolation at (x, y) [px]; the four neighbours must be inside.
+/// Bilinear interpolation at (x, y) [px]; the four neighbors must be inside.
 template <class Pixel, class S>
 S interpolate(const ImageView<Pixel>& image, S x, S y) {
   const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);  // rounds down what is not negative

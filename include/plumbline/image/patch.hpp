@@ -15,15 +15,15 @@
 
 namespace plumbline {
 
-/// Size x Size samples, row by row. The centre of a patch of even size lies between its four middle samples.
+/// Size x Size samples, row by row. The center of a patch of even size lies between its four middle samples.
 template <int Size>
 using Patch = Vec<float, Size * Size>;
 
-/// True when a patch of `size` samples 1 px apart around `centre` needs no pixel beyond the edge; false for NaN too.
-inline bool patch_inside(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& centre, int size) {
+/// True when a patch of `size` samples 1 px apart around `center` needs no pixel beyond the edge; false for NaN too.
+inline bool patch_inside(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& center, int size) {
   const float radius = 0.5f * static_cast<float>(size - 1);
-  return centre.x() >= radius && centre.y() >= radius && centre.x() + radius < static_cast<float>(image.width - 1) &&
-         centre.y() + radius < static_cast<float>(image.height - 1);
+  return center.x() >= radius && center.y() >= radius && center.x() + radius < static_cast<float>(image.width - 1) &&
+         center.y() + radius < static_cast<float>(image.height - 1);
 }
 
 /// Copies size x size pixels from (x0, y0) on; pixels beyond the edge repeat the edge.
@@ -34,15 +34,15 @@ inline void copy_pixels(const ImageView<const std::uint8_t>& image, int x0, int 
   }
 }
 
-/// Samples 1 px apart around `centre`, which must be in the image; beyond the edge they repeat the edge.
+/// Samples 1 px apart around `center`, which must be in the image; beyond the edge they repeat the edge.
 template <int Size>
-void interpolate_patch(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& centre, Patch<Size>& out) {
-  PLUMBLINE_ASSERT(image.contains(centre.x(), centre.y(), 0.0f));
+void interpolate_patch(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& center, Patch<Size>& out) {
+  PLUMBLINE_ASSERT(image.contains(center.x(), center.y(), 0.0f));
   const float radius = 0.5f * static_cast<float>(Size - 1);
   // A shift by Size makes the coordinates positive, so that conversion rounds down.
-  const int x0 = static_cast<int>(centre.x() - radius + Size) - Size;
-  const int y0 = static_cast<int>(centre.y() - radius + Size) - Size;
-  const float ax = centre.x() - radius - static_cast<float>(x0), ay = centre.y() - radius - static_cast<float>(y0);
+  const int x0 = static_cast<int>(center.x() - radius + Size) - Size;
+  const int y0 = static_cast<int>(center.y() - radius + Size) - Size;
+  const float ax = center.x() - radius - static_cast<float>(x0), ay = center.y() - radius - static_cast<float>(y0);
   std::uint8_t repeated[(Size + 1) * (Size + 1)];
   const std::uint8_t* row = image.data + y0 * image.stride + x0;
   std::ptrdiff_t stride = image.stride;
@@ -68,15 +68,15 @@ void interpolate_patch(const ImageView<const std::uint8_t>& image, const Vec<flo
   }
 }
 
-/// Samples at centre + A D_j, D_j the offsets of a patch 1 px apart. False when one of them is outside.
+/// Samples at center + A D_j, D_j the offsets of a patch 1 px apart. False when one of them is outside.
 template <int Size>
-bool interpolate_warped_patch(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& centre,
+bool interpolate_warped_patch(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& center,
                               const Mat<float, 2, 2>& A, Patch<Size>& out) {
   const float radius = 0.5f * static_cast<float>(Size - 1);
   constexpr float rounding_px = 0.01f;  // more than the sums below can be off
   const Vec<float, 2> extent(radius * (std::abs(A(0, 0)) + std::abs(A(0, 1))) + rounding_px,
                              radius * (std::abs(A(1, 0)) + std::abs(A(1, 1))) + rounding_px);
-  const Vec<float, 2> low = centre - extent, high = centre + extent;
+  const Vec<float, 2> low = center - extent, high = center + extent;
   if (!(low.x() >= 0.0f && low.y() >= 0.0f && high.x() < static_cast<float>(image.width - 1) &&
         high.y() < static_cast<float>(image.height - 1))) {
     return false;
@@ -87,7 +87,7 @@ bool interpolate_warped_patch(const ImageView<const std::uint8_t>& image, const 
   float ax[n], ay[n];
   const int stride = static_cast<int>(image.stride);
   for (int y = 0; y < Size; ++y) {
-    const Vec<float, 2> start = centre + A * Vec<float, 2>(-radius, static_cast<float>(y) - radius);
+    const Vec<float, 2> start = center + A * Vec<float, 2>(-radius, static_cast<float>(y) - radius);
     for (int x = 0; x < Size; ++x) {
       const float u = start.x() + static_cast<float>(x) * A(0, 0), v = start.y() + static_cast<float>(x) * A(1, 0);
       const int x0 = static_cast<int>(u), y0 = static_cast<int>(v), k = y * Size + x;

@@ -10,7 +10,7 @@
 #include "plumbline/core/matrix.hpp"
 
 #pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wignored-attributes"  // GCC says so of every template argument __m128
+#pragma GCC diagnostic ignored "-Wignored-attributes"  // GCC warns about every template argument __m128
 
 namespace plumbline {
 

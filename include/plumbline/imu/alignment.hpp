@@ -1,18 +1,20 @@
 #pragma once
-/// Initialization in closed form: velocities, gravity, biases and, where vision has none, the scale that make camera
-/// poses and inertial readings agree.                                                  docs/math/initialization.md
+/// Visual-inertial alignment in closed form: velocities, gravity, biases and, for up-to-scale poses, the scale, from
+/// camera poses and preintegrated IMU increments.                                           docs/math/initialization.md
 ///
-/// In the frame `ref` of the camera poses (R_k of the body, c_k of the camera; e = T_body_cam) everything is linear in
-/// lambda, the length of a metre in units of the poses, and V_k, g', b' = velocities, gravity, accelerometer bias
-/// times lambda:
+/// Let `ref` be the frame of the camera poses, R_k the rotation of the body and c_k the position of the camera in it,
+/// p_e the position of the camera in the body. The equations are linear in lambda, the length of a meter in units of
+/// the poses, and in V_k, g', b': velocities, gravity, accelerometer bias, each times lambda:
 ///   Dt R_k^T V_k + Dt^2/2 R_k^T g' + (dp_k + R_k^T R_{k+1} p_e - p_e) lambda + J_p_a b' = R_k^T (c_{k+1} - c_k)
 ///   R_k^T V_k - R_k^T V_{k+1} + Dt R_k^T g' + dv_k lambda + J_v_a b' = 0                                         (7)
-/// The poses, by far the noisiest, stand on the right: noise in a coefficient would pull the scale to zero.
-/// 1. the gyroscope bias, (5)
-/// 2. g' free, b' = 0: the length of g' / lambda tells whether vision and IMU belong together
-/// 3. |g| = G on its tangent, g^T g' = G lambda, and a prior of b'; repeated from the direction found               (8)
-/// Metric vision has the row lambda = 1. Rows are whitened by the increment's covariance plus that of the poses.
-/// 4. gravity in `ref` gives the world's attitude, (2), without yaw of the first body
+/// The positions, by far the noisiest quantities, are on the right-hand side: noise in a coefficient would bias the
+/// scale towards zero. Steps:
+///   1. gyroscope bias, (5)
+///   2. g' free, b' = 0: the norm of g' / lambda is compared with G, a check of poses and IMU
+///   3. |g| = G on its tangent, g^T g' = G lambda, with a prior on b'; repeated from the direction found            (8)
+///   4. gravity in `ref` gives the attitude of the world, (2), with zero yaw of the first body
+/// Metric poses have the row lambda = 1. Rows are whitened by the covariance of the increment plus that of the poses,
+/// (7a).
 
 #include <algorithm>
 #include <cmath>
@@ -36,28 +38,31 @@
 namespace plumbline {
 
 struct InertialAlignmentOptions {
-  bool metric = false;            ///< translations of the camera poses are in metres
-  double rotation_sigma = 2e-3;   ///< of a camera pose [rad]
-  double position_sigma = 2e-3;   ///< of a camera pose, in units of the poses, beside its own noise
-  double accel_bias_sigma = 0.2;  ///< prior [m/s^2]
-  std::size_t min_frames = 5;
-  double max_gyro_residual = 0.02;  ///< [rad]
-  double max_chi2 = 3;              ///< for each degree of freedom; poses that agree have below 1
-  double max_gravity_error = 0.1;   ///< of its length before it is fixed, relative, beyond three sigma of it
-  double max_gravity_sigma = 0.05;  ///< [rad]
-  double max_scale_sigma = 0.1;     ///< relative
+  bool metric = false;           ///< the positions of the camera poses are in meters
+  double rotation_sigma = 2e-3;  ///< sigma of the rotation of a camera pose [rad]
+  /// Sigma of the position of a camera pose besides its own covariance, in units of the poses.
+  double position_sigma = 2e-3;
+  double accel_bias_sigma = 0.2;  ///< prior sigma of the accelerometer bias [m/s^2]
+  std::size_t min_frames = 5;     ///< smallest number of frames
+  /// Largest rms rotation between camera and gyroscope after the bias is estimated [rad].
+  double max_gyro_residual = 0.02;
+  double max_chi2 = 3;  ///< largest chi2 per degree of freedom; below 1 for consistent poses
+  /// Largest error of the norm of free gravity, relative, besides three of its sigmas.
+  double max_gravity_error = 0.1;
+  double max_gravity_sigma = 0.05;  ///< largest sigma of the direction of gravity [rad]
+  double max_scale_sigma = 0.1;     ///< largest sigma of the scale, relative
 };
 
-/// Why there is no result yet: what to wait or to look for.
+/// Result of an alignment, or the reason why there is none.
 enum class AlignmentOutcome : std::uint8_t {
   aligned,
   too_few_frames,
   no_imu_data,          ///< an increment is empty or not finite
-  rotations_disagree,   ///< of vision and gyroscope: wrong poses, extrinsics or time stamps
-  positions_disagree,   ///< of vision and accelerometer: vision has changed its unit of length, or is wrong
-  gravity_implausible,  ///< its length: wrong poses, units or extrinsics
-  gravity_uncertain,    ///< its direction
-  scale_uncertain,      ///< it shows only in accelerated motion: wait for more
+  rotations_disagree,   ///< of camera and gyroscope: wrong poses, extrinsics or time stamps
+  positions_disagree,   ///< of camera and accelerometer: the scale of the poses has drifted, or they are wrong
+  gravity_implausible,  ///< norm of gravity: wrong poses, units or extrinsics
+  gravity_uncertain,    ///< direction of gravity not determined yet
+  scale_uncertain,      ///< scale not determined yet: it needs accelerated motion
 };
 
 /// For logs.
@@ -75,37 +80,38 @@ constexpr const char* name_of(AlignmentOutcome outcome) {
   return "unknown outcome";
 }
 
-/// Whether no motion, gravity and biases explain both poses and readings.
+/// Whether poses and IMU samples contradict each other: no motion, gravity and biases explain both.
 constexpr bool contradicts(AlignmentOutcome outcome) {
   return outcome == AlignmentOutcome::rotations_disagree || outcome == AlignmentOutcome::positions_disagree ||
          outcome == AlignmentOutcome::gravity_implausible;
 }
 
+/// Result of the alignment.
 template <std::floating_point S, int MaxFrames>
 struct InertialAlignment {
   AlignmentOutcome outcome = AlignmentOutcome::too_few_frames;
   SO3<S> R_world_ref;
-  S scale = S(1);  ///< metres in one unit of the camera poses
+  S scale = S(1);  ///< meters in one unit of the camera poses
   Vec<S, 3> bias_gyro = zeros<S, 3>(), bias_accel = zeros<S, 3>();
   FixedVector<Vec<S, 3>, std::size_t(MaxFrames)> v_world_body;  ///< for each frame [m/s]
-  // Figures, as far as it came:
-  double gyro_residual = 0;     ///< rms [rad]
+  // Figures, up to the step that was reached:
+  double gyro_residual = 0;     ///< rms rotation between camera and gyroscope [rad]
   double excitation = 0;        ///< rms change of the specific force between frames [m/s^2]
-  double gravity_norm = 0;      ///< before it is fixed [m/s^2]
-  double gravity_sigma = 0;     ///< of its direction [rad]
-  double scale_sigma = 0;       ///< relative
-  double accel_bias_sigma = 0;  ///< largest of the three axes [m/s^2]
-  double chi2 = 0;              ///< for each degree of freedom; the sigmas above are multiplied by its root if > 1
+  double gravity_norm = 0;      ///< norm of gravity while it is free [m/s^2]
+  double gravity_sigma = 0;     ///< sigma of the direction of gravity [rad]
+  double scale_sigma = 0;       ///< sigma of the scale, relative
+  double accel_bias_sigma = 0;  ///< largest sigma of the accelerometer bias over the axes [m/s^2]
+  double chi2 = 0;              ///< per degree of freedom; the sigmas above are multiplied by its square root if > 1
 
   explicit operator bool() const { return outcome == AlignmentOutcome::aligned; }
-  /// Whether all of it is known, if not well.
-  bool is_rough() const {
+  /// Whether all quantities were estimated, but gravity or scale with a large sigma.
+  bool is_uncertain() const {
     return !v_world_body.empty() &&
            (outcome == AlignmentOutcome::gravity_uncertain || outcome == AlignmentOutcome::scale_uncertain);
   }
   bool contradicts() const { return plumbline::contradicts(outcome); }
 
-  /// State of frame k. The world's origin is that of the camera poses.
+  /// State of frame k. The world has the origin of `ref`.
   NavState<S> state(std::size_t k, const SE3<S>& T_ref_cam, const SE3<S>& T_body_cam) const {
     const SE3<S> T_world_cam(R_world_ref * T_ref_cam.rotation(), R_world_ref * Vec<S, 3>(scale * T_ref_cam.p()));
     return {T_world_cam * T_body_cam.inverse(), v_world_body[k], bias_gyro, bias_accel};
@@ -114,15 +120,15 @@ struct InertialAlignment {
 
 namespace detail {
 
-/// Unknowns common to all frames.
+/// Offsets of the unknowns common to all frames: g', lambda, b'.
 struct AlignmentUnknowns {
   enum : int { g = 0, lambda = 3, b_a = 4, count = 7 };
 };
 
-/// Of the mean specific forces between frames, in `ref` [m/s^2].
+/// Mean and deviation of the specific forces between frames, in `ref` [m/s^2].
 struct SpecificForce {
   Vec<double, 3> mean = zeros<double, 3>();
-  double deviation = 0;  ///< root mean square
+  double deviation = 0;  ///< root mean square deviation from the mean
 };
 
 template <class P>
@@ -141,7 +147,8 @@ SpecificForce specific_force(std::span<const AlignmentFrame<P>> frames, const SO
   return out;
 }
 
-/// The rows (7) of one interval, false when its covariance is none; about the increment's own accelerometer bias.
+/// Adds the whitened rows (7) of one interval, about the accelerometer bias of its increment; false when the covariance
+/// is not positive definite.
 template <int MaxFrames, class P>
 bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chain, const AlignmentFrame<P>& begin,
                         const AlignmentFrame<P>& end, const SE3<double>& T_body_cam, double lambda,
@@ -174,10 +181,10 @@ bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chai
   set_zero(c);
   set_segment(c, 0, Vec3(R_i_ref * Vec3(T_j.p() - T_i.p())));
 
-  Mat<double, 6, 3> reaction;  // to a rotation of frame i
-  set_block(reaction, 0, 0, hat(dp));
-  set_block(reaction, 3, 0, hat(dv));
-  Mat<double, 6, 6> variance = product_transposed(reaction, reaction);
+  Mat<double, 6, 3> J_rotation;  // D of (7a)
+  set_block(J_rotation, 0, 0, hat(dp));
+  set_block(J_rotation, 3, 0, hat(dv));
+  Mat<double, 6, 6> variance = product_transposed(J_rotation, J_rotation);
   variance = (options.rotation_sigma * options.rotation_sigma) * variance;
   variance += cast_to<double>(block<6, 6>(d.covariance, 3, 3));
   for (int k = 0; k < 6; ++k) variance(k, k) += 1e-12;
@@ -196,7 +203,8 @@ bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chai
 
 }  // namespace detail
 
-/// At most MaxFrames frames in order of time. Leaves the frames' preintegrations integrated about the biases found.
+/// Aligns at most MaxFrames frames in order of time. The preintegrations of the frames are reintegrated about the
+/// estimated biases.
 template <int MaxFrames, class P>
 InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const AlignmentFrame<P>> frames,
                                                                 const SE3<typename P::Scalar>& T_body_cam,
@@ -211,7 +219,7 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
     out.outcome = outcome;
     return out;
   };
-  constexpr std::size_t solvable = 4;  // fewer have more unknowns than rows
+  constexpr std::size_t solvable = 4;  // with fewer there are more unknowns than rows
   if (frames.size() < options.min_frames || frames.size() < solvable) return stop(AlignmentOutcome::too_few_frames);
   for (std::size_t k = 1; k < frames.size(); ++k) {
     if (frames[k].imu == nullptr || !(frames[k].imu->increment().duration > S(0)) ||
@@ -269,7 +277,7 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
       const double error = std::abs(out.gravity_norm - gravity);
       if (!(error <= options.max_gravity_error * gravity + 3 * sigma))
         return stop(AlignmentOutcome::gravity_implausible);
-      // Hardly accelerated, the accelerometer shows the vertical better than its double integral.
+      // With little acceleration the mean specific force gives the vertical better than the positions.
       if (!(error <= options.max_gravity_error * gravity)) g = -gravity * normalized(force.mean);
     }
   }

@@ -1,8 +1,8 @@
 #pragma once
-/// The full scale of a sensor that the calibration says nothing of, or something wrong.                docs/math/imu.md
+/// Detection of the full scale of a sensor from its samples, for a missing or wrong calibration.       docs/math/imu.md
 ///
-/// Readings pile up at a rail: an axis comes to the same largest number again and again, and hardly ever to the next
-/// smaller one that it shows. One that stays there says nothing: a coarse sensor at rest repeats itself as well.
+/// At saturation an axis takes the same largest value again and again, and hardly ever the next smaller one. Only
+/// arrivals at that value are counted: a coarse sensor of a stationary body repeats its value, too.
 
 #include <array>
 #include <cmath>
@@ -13,64 +13,65 @@
 namespace plumbline {
 
 struct FullScaleOptions {
-  double least = 0;       ///< full scale of the sensor, at any rate
-  int min_arrivals = 10;  ///< at the largest number
-  double clear = 4;       ///< times as many as at the next smaller one
-  int readings = 1000;    ///< after so many the counts begin anew
+  double min_full_scale = 0;  ///< smallest possible full scale, in units of the sensor
+  int min_arrivals = 10;      ///< arrivals at the largest value before it counts as full scale
+  double min_ratio = 4;       ///< smallest ratio of its arrivals to those at the next smaller value
+  int max_samples = 1000;     ///< samples after which the counts are reset
 };
 
 class FullScaleFinder {
  public:
   explicit FullScaleFinder(const FullScaleOptions& options) : options_(options) {}
 
-  void add(const Vec<double, 3>& reading) {
-    const bool was_none = max_abs(reading) > found_;
-    if (was_none) found_ = none;
-    if (was_none || ++count_ > options_.readings) {
-      tops_ = {};
+  void add(const Vec<double, 3>& sample) {
+    const bool is_exceeded = max_abs(sample) > found_;
+    if (is_exceeded) found_ = not_found;
+    if (is_exceeded || ++count_ > options_.max_samples) {
+      extremes_ = {};
       count_ = 1;
     }
     for (int k = 0; k < 3; ++k) {
-      add(tops_[2 * k], reading[k]);
-      add(tops_[2 * k + 1], -reading[k]);
+      add(extremes_[2 * k], sample[k]);
+      add(extremes_[2 * k + 1], -sample[k]);
     }
   }
 
-  /// Largest number of an axis that was at its rail; infinity when none was. What is exceeded, on any axis, was none.
+  /// The smallest detected full scale of any axis; infinity without one. It is discarded when any axis exceeds it.
   double found() const { return found_; }
 
  private:
-  static constexpr double none = std::numeric_limits<double>::infinity();
+  static constexpr double not_found = std::numeric_limits<double>::infinity();
 
-  /// The two highest values of an axis in one direction, and how often it came to each.
-  struct Top {
-    double highest = -none, below = -none, latest = -none;
+  /// The two largest values of an axis in one direction, and the number of arrivals at each.
+  struct Extreme {
+    double highest = -not_found, below = -not_found, latest = -not_found;
     int arrivals = 0, arrivals_below = 0;
   };
 
-  void add(Top& top, double value) {
-    const bool arrives = value != top.latest;
-    top.latest = value;
-    if (value > top.highest) {
-      top.below = top.highest;
-      top.arrivals_below = top.arrivals;
-      top.highest = value;
-      top.arrivals = 1;
-    } else if (value == top.highest) {
-      top.arrivals += arrives;
-    } else if (value > top.below) {
-      top.below = value;
-      top.arrivals_below = 1;
-    } else if (value == top.below) {
-      top.arrivals_below += arrives;
+  void add(Extreme& extreme, double value) {
+    const bool arrives = value != extreme.latest;
+    extreme.latest = value;
+    if (value > extreme.highest) {
+      extreme.below = extreme.highest;
+      extreme.arrivals_below = extreme.arrivals;
+      extreme.highest = value;
+      extreme.arrivals = 1;
+    } else if (value == extreme.highest) {
+      extreme.arrivals += arrives;
+    } else if (value > extreme.below) {
+      extreme.below = value;
+      extreme.arrivals_below = 1;
+    } else if (value == extreme.below) {
+      extreme.arrivals_below += arrives;
     }
-    const bool piles_up = top.arrivals >= options_.min_arrivals && top.arrivals > options_.clear * top.arrivals_below;
-    if (piles_up && top.highest >= options_.least) found_ = std::fmin(found_, top.highest);
+    const bool is_saturated =
+        extreme.arrivals >= options_.min_arrivals && extreme.arrivals > options_.min_ratio * extreme.arrivals_below;
+    if (is_saturated && extreme.highest >= options_.min_full_scale) found_ = std::fmin(found_, extreme.highest);
   }
 
   FullScaleOptions options_;
-  std::array<Top, 6> tops_;
-  double found_ = none;
+  std::array<Extreme, 6> extremes_;  ///< of each axis, in both directions
+  double found_ = not_found;
   int count_ = 0;
 };
 

@@ -1,9 +1,9 @@
 #pragma once
-/// Gravity, and the attitude it gives.                                                docs/math/initialization.md
+/// Gravity in the world, and the attitude of a body from the direction of gravity.    docs/math/initialization.md
 ///
-///   g = (0, 0, -G) in the world: the acceleration of free fall; an accelerometer at rest reads -g               (1)
-///   R_world_body = [x^T; (u x x)^T; u^T],  u = -g_body/|g_body|,  x = heading axis made horizontal              (2)
-/// The heading axis is the body's x, or its z where x is closer than 45 degrees to the vertical: it has no yaw.
+///   g = (0, 0, -G) in the world: the acceleration of free fall; a stationary accelerometer measures -g            (1)
+///   R_world_body = [x^T; (u x x)^T; u^T],  u = -g_body/|g_body|,  x = heading axis made horizontal                (2)
+/// The heading axis is the body's x, or its z where x is within 45 degrees of the vertical; it has zero yaw.
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -23,7 +23,7 @@ Vec<S, 3> gravity_in_world(S magnitude = standard_gravity<S>) {
   return {S(0), S(0), -magnitude};
 }
 
-/// (2), from the direction of gravity in the body frame, any length but zero.
+/// R_world_body (2) from gravity in the body frame, of any length but zero.
 template <std::floating_point S>
 SO3<S> upright(const Vec<S, 3>& gravity_body) {
   const Vec<S, 3> up = -normalized(gravity_body);

@@ -1,9 +1,9 @@
 #pragma once
-/// The gyroscope bias that makes the IMU turn like the camera.                        docs/math/initialization.md
+/// Gyroscope bias from the rotations of a camera between frames, by least squares.     docs/math/initialization.md
 ///
 ///   e_k = Log(dR_k^T R_k^T R_{k+1}),   R_k = R_ref_body = R_ref_cam R_body_cam^T
 ///   (sum J^T W J) db = sum J^T W e_k,   J = J_R_g,  W = (S_phi + 2 sigma^2 I)^-1                                  (5)
-/// Three rounds, integrating again in between.
+/// Three rounds, with re-integration about the new bias after each.
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -18,12 +18,13 @@
 namespace plumbline {
 
 struct GyroBias {
-  bool valid = false;                        ///< enough readings, all finite
+  bool valid = false;                        ///< enough frames, and a finite result
   Vec<double, 3> bias = zeros<double, 3>();  ///< [rad/s]
-  double residual = 0;                       ///< rms rotation between vision and IMU, for each pair of frames [rad]
+  double residual = 0;                       ///< rms of e_k [rad]
 };
 
-/// (5). Leaves the frames' preintegrations integrated about the result; sigma is vision's for a rotation [rad].
+/// (5). The preintegrations of the frames are reintegrated about the result. `rotation_sigma`: sigma of a camera
+/// rotation [rad].
 template <class P>
 GyroBias estimate_gyro_bias(std::span<const AlignmentFrame<P>> frames, const SO3<typename P::Scalar>& R_body_cam,
                             double rotation_sigma) {
@@ -32,7 +33,7 @@ GyroBias estimate_gyro_bias(std::span<const AlignmentFrame<P>> frames, const SO3
   if (frames.size() < 2) return out;
   const SO3<double> R_cam_body = R_body_cam.inverse().template cast<double>();
   constexpr int rounds = 3;
-  for (int round = 0; round <= rounds; ++round) {  // the last one for the residual
+  for (int round = 0; round <= rounds; ++round) {  // the last one gives the residual
     Mat<double, 3, 3> H = zeros<double, 3, 3>();
     Vec<double, 3> b = zeros<double, 3>();
     double squared = 0;

@@ -1,24 +1,24 @@
 #pragma once
-/// The newest inertial samples, and what they say about the time between two images.           docs/math/imu.md
+/// Buffer of the newest IMU samples, which gives the intervals between two times for integration.   docs/math/imu.md
 ///
-/// What arrives:
-///   not finite, no possible time        refused (Error::not_finite): NaN, or more than 126 years from the clock's zero
-///   older than the newest sample        sorted in, as long as no frame has used its time (mark_used); else refused
-///                                       (Error::late_sample)
-///   repeated time stamp                 refused (Error::late_sample)
-///   a jump of more than `max_jump_s`    the clock was set, forward or back: the buffer starts anew with this sample
-///   at full scale or beyond             clipped to it, marked saturated; full scale is the least of what the options
-///                                       say and what the readings show (imu/full_scale.hpp)
-///   the same six numbers over and over  marked frozen from `frozen_samples` repetitions on
-///   buffer full                         the oldest sample is forgotten
-/// What is given out covers the time asked for without a hole: linear between samples, the nearest sample held before
-/// the first and after the last one. Where readings are missing, held, frozen or saturated, the intervals say by how
-/// much the truth may differ (gyro_sigma, accel_sigma), so that the covariance of the increment grows. With T the whole
-/// time without a live reading, of which the interval dt is a part, and one error for all of it:
-///   sigma = s sqrt(T/dt),   s = rate of change * T/2,  or full scale: at its rail a sensor says nothing        (8)
-/// An accelerometer that shakes is doubted as well: a part of what its readings differ by from one to the next, once
-/// aliased, looks like motion. With v the variance, by axis, of readings dt apart that bend by a_k - 2 a_k-1 + a_k-2,
-///   v += (bend^2/6 - v) dt/vibration_s,   sigma = vibration sqrt(v)                                            (8b)
+/// Treatment of a new sample:
+///   not finite, or impossible time      rejected (Error::not_finite): NaN, or more than 126 years from time zero
+///   older than the newest sample        inserted in order of time if no frame has used its time (`mark_used`), else
+///                                       rejected (Error::late_sample)
+///   repeated time stamp                 rejected (Error::late_sample)
+///   time jump beyond `max_jump_s`       forward or back: the clock was set; the buffer is cleared first
+///   at full scale or beyond             clipped and marked as saturated; full scale is the smaller of option and
+///                                       detected value (imu/full_scale.hpp)
+///   the same six numbers repeated       marked as frozen from `frozen_samples` repetitions on
+///   buffer full                         the oldest sample is dropped
+/// Intervals cover the requested time without gaps: linear between samples, the nearest sample held before the first
+/// and after the last one. Where samples are missing, held, frozen or saturated, an interval has additional sigmas of
+/// the true rates (gyro_sigma, accel_sigma), which enlarge the covariance of the increment. Let T be the whole time
+/// without a live sample, dt the interval within it, and the error common to all of T:
+///   sigma = s sqrt(T/dt),   s = rate of change * T/2,  or full scale when saturated                            (8)
+/// Vibration of the accelerometer adds noise, since a part of it is aliased into motion. With v the variance per axis,
+/// updated by the second difference of samples dt apart:
+///   v += ((a_k - 2 a_k-1 + a_k-2)^2/6 - v) dt/vibration_s,   sigma = vibration sqrt(v)                         (8b)
 
 #include <algorithm>
 #include <cmath>
@@ -38,29 +38,29 @@
 namespace plumbline {
 
 struct ImuBufferOptions {
-  double gyro_full_scale = 34.9;    ///< [rad/s], 2000 deg/s
-  double accel_full_scale = 156.9;  ///< [m/s^2], 16 g
-  double gap_s = 0.025;             ///< samples further apart are a gap [s]
-  double gyro_rate = 10;            ///< how fast the true readings change: [rad/s^2]
-  double accel_rate = 50;           ///< [m/s^3]
-  double vibration = 0.3;           ///< part of how accelerations scatter that counts as noise, (8b)
-  double vibration_s = 0.5;         ///< over which they scatter [s]
-  double max_jump_s = 1;            ///< [s]
-  int frozen_samples = 25;          ///< sensors with noise do not repeat six numbers
+  double gyro_full_scale = 34.9;    ///< full scale of the gyroscope [rad/s]; 2000 deg/s
+  double accel_full_scale = 156.9;  ///< full scale of the accelerometer [m/s^2]; 16 g
+  double gap_s = 0.025;             ///< samples further apart than this are a gap [s]
+  double gyro_rate = 10;            ///< typical rate of change of the angular rate [rad/s^2]
+  double accel_rate = 50;           ///< typical rate of change of the specific force [m/s^3]
+  double vibration = 0.3;           ///< fraction of the scatter of the accelerometer that counts as noise, (8b)
+  double vibration_s = 0.5;         ///< time constant of the scatter [s]
+  double max_jump_s = 1;            ///< largest step of time stamps that is no clock jump [s]
+  int frozen_samples = 25;          ///< repetitions of all six numbers after which a sensor counts as frozen
 };
 
-/// How the samples covered the time asked for, in seconds. Frozen and saturated time may overlap the others.
+/// Coverage of a requested time by samples. Frozen and saturated time may overlap the others.
 struct ImuCoverage {
-  bool valid = false;  ///< there were samples at all, and the time asked for is not empty
-  int intervals = 0;
-  double duration_s = 0;  ///< [s]
-  double gap_s = 0;       ///< interpolated over a gap
-  double held_s = 0;      ///< before the first or after the last sample
-  double frozen_s = 0;
-  double saturated_s = 0;  ///< any of the two sensors
-  double gyro_saturated_s = 0;
+  bool valid = false;           ///< there were samples, and the requested time is not empty
+  int intervals = 0;            ///< number of intervals
+  double duration_s = 0;        ///< requested time [s]
+  double gap_s = 0;             ///< interpolated over gaps [s]
+  double held_s = 0;            ///< before the first or after the last sample [s]
+  double frozen_s = 0;          ///< frozen samples [s]
+  double saturated_s = 0;       ///< gyroscope or accelerometer saturated [s]
+  double gyro_saturated_s = 0;  ///< gyroscope saturated [s]
 
-  /// Of both times together.
+  /// Coverage of two successive times together.
   ImuCoverage& operator+=(const ImuCoverage& next) {
     valid = valid || next.valid;
     intervals += next.intervals;
@@ -73,22 +73,22 @@ struct ImuCoverage {
     return *this;
   }
 
-  /// Part of the time without a live reading.
+  /// Fraction of the time without live samples, 0..1.
   double missing() const { return valid ? std::min(1.0, (gap_s + held_s + frozen_s) / duration_s) : 1; }
 };
 
-/// Counts since the start.
+/// Counts of samples since construction.
 struct ImuCounts {
   std::int64_t accepted = 0, not_finite = 0, clock_jumps = 0, saturated = 0, frozen = 0;
-  std::int64_t reordered = 0;  ///< sorted in
-  std::int64_t repeated = 0;   ///< refused: there is a sample of that time
-  std::int64_t late = 0;       ///< of a time that a frame had used: refused, but for the newest of all
+  std::int64_t reordered = 0;  ///< inserted before a newer sample
+  std::int64_t repeated = 0;   ///< rejected: there is a sample of that time
+  std::int64_t late = 0;       ///< of a time already used by a frame: rejected unless it is the newest
 };
 
 template <std::size_t Capacity = 512>
 class ImuBuffer {
  public:
-  /// What was noticed about an accepted sample.
+  /// Flags of an accepted sample.
   struct Accepted {
     bool saturated = false, frozen = false, clock_jumped = false;
   };
@@ -96,12 +96,13 @@ class ImuBuffer {
   ImuBuffer() = default;
   explicit ImuBuffer(const ImuBufferOptions& options) : options_(options) {}
 
+  /// Adds a sample, see above.
   Result<Accepted> add(const ImuSample& sample);
   void clear() {
     items_.clear();
     used_ns_ = never_used;
   }
-  /// Readings up to that time have been integrated: what still comes for it is late.
+  /// Samples up to `t_ns` have been integrated: one that arrives later is rejected.
   void mark_used(TimeNs t_ns) { used_ns_ = t_ns; }
 
   bool empty() const { return items_.empty(); }
@@ -109,12 +110,14 @@ class ImuBuffer {
   std::size_t size() const { return items_.size(); }
   /// Sample i, 0 is the oldest.
   const ImuSample& operator[](std::size_t i) const { return items_[i].sample; }
-  /// Whether nothing needs to be held up to that time.
+  /// Whether the samples reach `t_ns`, so that none has to be held.
   bool reaches(TimeNs t_ns) const { return !empty() && items_.back().sample.t_ns >= t_ns; }
   const ImuCounts& counts() const { return counts_; }
   const ImuBufferOptions& options() const { return options_; }
-  double gyro_full_scale() const { return std::min(options_.gyro_full_scale, gyro_rail_.found()); }     ///< [rad/s]
-  double accel_full_scale() const { return std::min(options_.accel_full_scale, accel_rail_.found()); }  ///< [m/s^2]
+  double gyro_full_scale() const { return std::min(options_.gyro_full_scale, gyro_full_scale_.found()); }  ///< [rad/s]
+  double accel_full_scale() const {
+    return std::min(options_.accel_full_scale, accel_full_scale_.found());
+  }  ///< [m/s^2]
 
   /// The index of the first sample after t, size() if there is none.
   std::size_t first_after(TimeNs t_ns) const {
@@ -137,22 +140,27 @@ class ImuBuffer {
  private:
   struct Item {
     ImuSample sample;
-    int repeated;                                   ///< how often these six numbers came before
-    TimeNs live_ns;                                 ///< when they came first
-    TimeNs gyro_in_range_ns, accel_in_range_ns;     ///< of the newest sample so far that was not at its rail
+    int repeated;                                   ///< number of earlier samples in a row with the same six numbers
+    TimeNs live_ns;                                 ///< time of the first of them
+    TimeNs gyro_in_range_ns, accel_in_range_ns;     ///< newest time so far without saturation
     Vec<double, 3> vibration = zeros<double, 3>();  ///< v of (8b), by axis [m^2/s^4]
   };
 
   static constexpr TimeNs never_used = std::numeric_limits<TimeNs>::min();
-  static constexpr double at_rail = 0.995;  ///< of full scale: the largest number is one less, and corrected for bias
+  static constexpr double saturation_ratio =
+      0.995;  ///< of full scale: the largest value is one unit less, and may be bias-corrected
 
   bool frozen(const Item& item) const { return item.repeated >= options_.frozen_samples; }
 
-  bool gyro_saturated(const Item& item) const { return max_abs(item.sample.gyro) >= at_rail * gyro_full_scale(); }
-  bool accel_saturated(const Item& item) const { return max_abs(item.sample.accel) >= at_rail * accel_full_scale(); }
+  bool gyro_saturated(const Item& item) const {
+    return max_abs(item.sample.gyro) >= saturation_ratio * gyro_full_scale();
+  }
+  bool accel_saturated(const Item& item) const {
+    return max_abs(item.sample.accel) >= saturation_ratio * accel_full_scale();
+  }
 
-  /// Since when item i repeats its numbers, since when its sensors are at their rails, how it shakes.
-  void follow(std::size_t i) {
+  /// Updates repetition, saturation and vibration of item i from the items before it.
+  void update_history(std::size_t i) {
     Item& item = items_[i];
     item.repeated = 0;
     item.live_ns = item.gyro_in_range_ns = item.accel_in_range_ns = item.sample.t_ns;
@@ -168,17 +176,18 @@ class ImuBuffer {
     item.live_ns = before.live_ns;
   }
 
-  /// (8b), of three samples in a row.
+  /// v of (8b) after three samples in a row.
   Vec<double, 3> vibration(const Item& first, const Item& second, const Item& third) const {
     if (seconds_between(first.sample.t_ns, third.sample.t_ns) > 2 * options_.gap_s) return second.vibration;
-    const Vec<double, 3> bend = third.sample.accel - 2 * second.sample.accel + first.sample.accel;
+    const Vec<double, 3> second_difference = third.sample.accel - 2 * second.sample.accel + first.sample.accel;
     const double part = seconds_between(second.sample.t_ns, third.sample.t_ns) / options_.vibration_s;
-    return second.vibration + std::min(1.0, part) * (cwise_product(bend, bend) / 6 - second.vibration);
+    return second.vibration +
+           std::min(1.0, part) * (cwise_product(second_difference, second_difference) / 6 - second.vibration);
   }
 
   ImuBufferOptions options_;
   RingBuffer<Item, Capacity> items_;
-  FullScaleFinder gyro_rail_{{.least = 1}}, accel_rail_{{.least = 5}};
+  FullScaleFinder gyro_full_scale_{{.min_full_scale = 1}}, accel_full_scale_{{.min_full_scale = 5}};
   TimeNs used_ns_ = never_used;
   ImuCounts counts_;
 };
@@ -205,8 +214,8 @@ Result<typename ImuBuffer<Capacity>::Accepted> ImuBuffer<Capacity>::add(const Im
   const bool newest = place == size(), late = sample.t_ns <= used_ns_ || (place == 0 && items_.full());
   counts_.late += late;
   if (late && !newest) return Error::late_sample;
-  gyro_rail_.add(sample.gyro);
-  accel_rail_.add(sample.accel);
+  gyro_full_scale_.add(sample.gyro);
+  accel_full_scale_.add(sample.accel);
   const double w = gyro_full_scale(), a = accel_full_scale();
   Item item{};
   item.sample.t_ns = sample.t_ns;
@@ -215,7 +224,7 @@ Result<typename ImuBuffer<Capacity>::Accepted> ImuBuffer<Capacity>::add(const Im
     item.sample.accel[k] = std::min(std::max(sample.accel[k], -a), a);
   }
   const std::size_t at = items_.insert(place, item);
-  for (std::size_t i = at; i < size(); ++i) follow(i);
+  for (std::size_t i = at; i < size(); ++i) update_history(i);
   out.saturated = gyro_saturated(item) || accel_saturated(item);
   out.frozen = frozen(items_[at]);
   ++counts_.accepted;
@@ -238,46 +247,47 @@ ImuCoverage ImuBuffer<Capacity>::for_each_interval(TimeNs t_begin_ns, TimeNs t_e
     const bool before = next == 0, after = next >= size();
     const Item &a = items_[before ? 0 : next - 1], &b = items_[after ? size() - 1 : next];
     const TimeNs end = after ? t_end_ns : std::min(b.sample.t_ns, t_end_ns);
-    const auto reading = [&](TimeNs at, Vec<double, 3> ImuSample::*axis) -> Vec<double, 3> {
+    const auto value_at = [&](TimeNs at, Vec<double, 3> ImuSample::*axis) -> Vec<double, 3> {
       if (before || after) return a.sample.*axis;
       const double u = seconds_between(a.sample.t_ns, at) / seconds_between(a.sample.t_ns, b.sample.t_ns);
       return (1 - u) * (a.sample.*axis) + u * (b.sample.*axis);
     };
     ImuInterval<double> interval;
     interval.dt = seconds_between(t, end);
-    interval.gyro_begin = reading(t, &ImuSample::gyro);
-    interval.gyro_end = reading(end, &ImuSample::gyro);
-    interval.accel_begin = reading(t, &ImuSample::accel);
-    interval.accel_end = reading(end, &ImuSample::accel);
+    interval.gyro_begin = value_at(t, &ImuSample::gyro);
+    interval.gyro_end = value_at(end, &ImuSample::gyro);
+    interval.accel_begin = value_at(t, &ImuSample::accel);
+    interval.accel_end = value_at(end, &ImuSample::accel);
 
     const double spacing_s = seconds_between(a.sample.t_ns, b.sample.t_ns);
-    double blind_s = 0;  // time without a live reading that this interval is part of
+    double unmeasured_s = 0;  // T of (8)
     if (before || after) {
-      blind_s = before ? seconds_between(t, b.sample.t_ns) : seconds_between(a.live_ns, t_end_ns);
+      unmeasured_s = before ? seconds_between(t, b.sample.t_ns) : seconds_between(a.live_ns, t_end_ns);
       out.held_s += interval.dt;
     } else if (frozen(b)) {
-      blind_s = seconds_between(b.live_ns, b.sample.t_ns);
+      unmeasured_s = seconds_between(b.live_ns, b.sample.t_ns);
       out.frozen_s += interval.dt;
     } else if (spacing_s > options_.gap_s) {
-      blind_s = spacing_s;
+      unmeasured_s = spacing_s;
       out.gap_s += interval.dt;
     }
     const TimeNs last = after ? t_end_ns : b.sample.t_ns;
-    const auto doubt = [&](double rate, bool saturated, double full_scale, TimeNs in_range_ns) {  // (8)
-      const double railed_s = saturated ? std::max(interval.dt, seconds_between(in_range_ns, last)) : 0;
-      return std::max(0.5 * rate * blind_s * std::sqrt(blind_s / interval.dt),
-                      full_scale * std::sqrt(railed_s / interval.dt));
+    const auto sigma = [&](double rate, bool saturated, double full_scale, TimeNs in_range_ns) {  // (8)
+      const double saturated_s = saturated ? std::max(interval.dt, seconds_between(in_range_ns, last)) : 0;
+      return std::max(0.5 * rate * unmeasured_s * std::sqrt(unmeasured_s / interval.dt),
+                      full_scale * std::sqrt(saturated_s / interval.dt));
     };
-    const bool gyro_railed = gyro_saturated(a) || gyro_saturated(b);
-    const bool accel_railed = accel_saturated(a) || accel_saturated(b);
-    interval.gyro_sigma = doubt(options_.gyro_rate, gyro_railed, gyro_full_scale(), a.gyro_in_range_ns);
-    const double unread = doubt(options_.accel_rate, accel_railed, accel_full_scale(), a.accel_in_range_ns);
+    const bool is_gyro_saturated = gyro_saturated(a) || gyro_saturated(b);
+    const bool is_accel_saturated = accel_saturated(a) || accel_saturated(b);
+    interval.gyro_sigma = sigma(options_.gyro_rate, is_gyro_saturated, gyro_full_scale(), a.gyro_in_range_ns);
+    const double unmeasured_sigma =
+        sigma(options_.accel_rate, is_accel_saturated, accel_full_scale(), a.accel_in_range_ns);
     for (int k = 0; k < 3; ++k) {
-      const double shaken = options_.vibration * std::sqrt(b.vibration[k] * spacing_s / interval.dt);
-      interval.accel_sigma[k] = std::hypot(unread, shaken);
+      const double vibration_sigma = options_.vibration * std::sqrt(b.vibration[k] * spacing_s / interval.dt);
+      interval.accel_sigma[k] = std::hypot(unmeasured_sigma, vibration_sigma);
     }
-    if (gyro_railed) out.gyro_saturated_s += interval.dt;
-    if (gyro_railed || accel_railed) out.saturated_s += interval.dt;
+    if (is_gyro_saturated) out.gyro_saturated_s += interval.dt;
+    if (is_gyro_saturated || is_accel_saturated) out.saturated_s += interval.dt;
     visit(interval);
     ++out.intervals;
     t = end;

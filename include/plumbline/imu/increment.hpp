@@ -1,14 +1,14 @@
 #pragma once
-/// What the IMU says about the motion between two times, whatever the state it starts from: preintegration on the
-/// manifold by the midpoint rule, with covariance and bias Jacobians.                           docs/math/imu.md
+/// Preintegrated IMU increment: rotation, velocity and position change between two times, independent of the initial
+/// state, on the manifold by the midpoint rule, with covariance and bias Jacobians.                    docs/math/imu.md
 ///
-/// Over an interval, with w, a_0, a_1 = mean gyro, begin and end accel, less the biases of linearization:
+/// Over one interval, with w, a_0, a_1 = mean gyro, begin and end accel, minus the biases of linearization:
 ///   dR+ = dR E,  E = Exp(w dt);    a = (dR a_0 + dR+ a_1)/2;   dp+ = dp + dv dt + a dt^2/2,  dv+ = dv + a dt     (3)
 ///   error [dphi dp dv dbg dba]+ = F [..] + B [n_g n_a]: noise enters like a bias of one interval            (4)
 ///   S+ = F S F^T + B diag(s_g^2/dt, s_a^2/dt) B^T + diag(walk^2 dt),   J+ = F J                                (5)
 ///   R_j = R_i dR,   v_j = v_i + g Dt + R_i dv,   p_j = p_i + v_i Dt + g Dt^2/2 + R_i dp                         (6)
 ///   dR^ = dR Exp(J_R_g dbg),   dv^ = dv + J_v_g dbg + J_v_a dba,   dp^ = dp + J_p_g dbg + J_p_a dba             (7)
-/// dR, dv, dp hold no gravity: they are relative to the free fall that starts with the state at i.
+/// dR, dv, dp do not contain gravity: they are relative to free fall from the state at i.
 
 #include <concepts>
 
@@ -24,6 +24,7 @@ namespace plumbline {
 
 template <std::floating_point S>
 struct ImuIncrement {
+  /// Rotation [rad], position [m] and velocity change [m/s].
   struct Delta {
     SO3<S> dR;
     Vec<S, 3> dp, dv;
@@ -31,9 +32,9 @@ struct ImuIncrement {
 
   S duration = S(0);  ///< Dt [s]
   Delta delta{SO3<S>(), zeros<S, 3>(), zeros<S, 3>()};
-  Vec<S, 3> bias_gyro = zeros<S, 3>(), bias_accel = zeros<S, 3>();  ///< point of linearization
-  Mat<S, 15, 15> covariance = zeros<S, 15, 15>();                   ///< S, of [dphi dp dv dbg dba]
-  Mat<S, 9, 6> J_delta_bias = zeros<S, 9, 6>();                     ///< of [dphi dp dv] by [bg ba]
+  Vec<S, 3> bias_gyro = zeros<S, 3>(), bias_accel = zeros<S, 3>();  ///< biases of linearization [rad/s, m/s^2]
+  Mat<S, 15, 15> covariance = zeros<S, 15, 15>();                   ///< S of [dphi dp dv dbg dba]
+  Mat<S, 9, 6> J_delta_bias = zeros<S, 9, 6>();                     ///< J: [dphi dp dv] by [bg ba]
 
   Mat<S, 3, 3> J_R_g() const { return block<3, 3>(J_delta_bias, 0, 0); }
   Mat<S, 3, 3> J_p_g() const { return block<3, 3>(J_delta_bias, 3, 0); }
@@ -44,7 +45,7 @@ struct ImuIncrement {
   ImuIncrement() = default;
   ImuIncrement(const Vec<S, 3>& b_g, const Vec<S, 3>& b_a) : bias_gyro(b_g), bias_accel(b_a) {}
 
-  /// Longer by one interval, dt > 0.
+  /// Extends the increment by one interval, dt > 0.
   void integrate(const ImuInterval<S>& interval, const ImuNoise& noise);
 
   /// (7), first order in the gyroscope bias, exact in the accelerometer bias.
@@ -54,7 +55,7 @@ struct ImuIncrement {
             delta.dv + J_v_g() * dbg + J_v_a() * dba};
   }
 
-  /// (6), biases unchanged. Gravity is the acceleration of free fall in the world [m/s^2].
+  /// State after the increment, (6); biases unchanged. `gravity`: acceleration of free fall in the world [m/s^2].
   NavState<S> predict(const NavState<S>& x, const Vec<S, 3>& gravity) const {
     const Delta d = corrected(x.bias_gyro, x.bias_accel);
     const SO3<S>& R = x.T_world_body.rotation();
@@ -65,7 +66,7 @@ struct ImuIncrement {
     return out;
   }
 
-  /// L, lower triangular, L^T L = S^-1. A floor of 1e-6 (rad, m, m/s) and 1e-7 (biases) keeps S regular.
+  /// L, lower triangular, L^T L = S^-1. A floor of sigma 1e-6 (rad, m, m/s) and 1e-7 (biases) keeps S regular.
   Result<Mat<S, 15, 15>> square_root_information() const {
     Mat<S, 15, 15> floored = covariance;
     for (int k = 0; k < 15; ++k) floored(k, k) += k < 9 ? S(1e-12) : S(1e-14);
@@ -91,7 +92,7 @@ void ImuIncrement<S>::integrate(const ImuInterval<S>& interval, const ImuNoise& 
   set_block(F, 6, 9, Mat3(-half_dt * (R1_a1 * phi_g)));
   set_block(F, 6, 12, Mat3(-half_dt * (R0 + R1)));
   for (int c = 0; c < 15; ++c) {
-    for (int r = 0; r < 3; ++r) F(3 + r, c) = half_dt * F(6 + r, c);  // position is half a step of velocity
+    for (int r = 0; r < 3; ++r) F(3 + r, c) = half_dt * F(6 + r, c);  // dp+ = dp + dt dv + dt/2 (change of dv)
   }
   for (int k = 0; k < 3; ++k) {
     F(3 + k, 3 + k) = F(6 + k, 6 + k) = S(1);

@@ -1,8 +1,8 @@
 #pragma once
-/// Inertial readings from one time to the next: the unit that is integrated.                    docs/math/imu.md
+/// Interval of IMU measurements between two times, linear in between: the unit of integration.  docs/math/imu.md
 ///
-/// Readings run linearly from begin to end. Two neighbours with means w_1, a_1 and w_2, a_2 become one that keeps
-/// rotation and velocity to second order in the angle, with th_k = dt_k w_k and u_k = dt_k/(dt_1 + dt_2):
+/// Two successive intervals with the means w_1, a_1 and w_2, a_2 are merged into one that keeps rotation and velocity
+/// to second order in the angle, with th_k = dt_k w_k and u_k = dt_k/(dt_1 + dt_2):
 ///   w = u_1 w_1 + u_2 w_2 + u_1 dt_2 (w_1 x w_2)/2                                            (coning)
 ///   a = u_1 a_1 + u_2 a_2 + u_1 th_1 x a_1/2 + u_2 (th_1 + th_2/2) x a_2 - (th_1 + th_2) x a_end/2     (sculling)
 ///   begin, end = mean -+ (mean_2 - mean_1)                                                                    (2)
@@ -17,17 +17,18 @@ namespace plumbline {
 
 template <std::floating_point S>
 struct ImuInterval {
-  S dt = S(0);                            ///< [s]
-  Vec<S, 3> gyro_begin, gyro_end;         ///< [rad/s]
-  Vec<S, 3> accel_begin, accel_end;       ///< [m/s^2]
-  S gyro_sigma = S(0);                    ///< of the mean reading, beyond the sensor's noise: gap, saturation [rad/s]
-  Vec<S, 3> accel_sigma = zeros<S, 3>();  ///< the same and vibration, by axis [m/s^2]
+  S dt = S(0);                       ///< [s]
+  Vec<S, 3> gyro_begin, gyro_end;    ///< [rad/s]
+  Vec<S, 3> accel_begin, accel_end;  ///< [m/s^2]
+  S gyro_sigma = S(0);               ///< sigma of the mean besides sensor noise: gap, saturation [rad/s]
+  /// Sigma of the mean besides sensor noise, per axis: gap, saturation, vibration [m/s^2].
+  Vec<S, 3> accel_sigma = zeros<S, 3>();
 
   Vec<S, 3> mean_gyro() const { return S(0.5) * (gyro_begin + gyro_end); }
   Vec<S, 3> mean_accel() const { return S(0.5) * (accel_begin + accel_end); }
 
-  /// The accelerometer errs by that sigma beside its noise, as over one second [m/s^2].
-  void doubt_accelerometer(S sigma) {
+  /// Adds white noise to the accelerometer; `sigma`: of its mean over one second [m/s^2].
+  void inflate_accelerometer_noise(S sigma) {
     for (int k = 0; k < 3; ++k) accel_sigma[k] = std::hypot(accel_sigma[k], sigma / std::sqrt(dt));
   }
 
@@ -43,7 +44,7 @@ struct ImuInterval {
   }
 };
 
-/// (2)
+/// Merges two successive intervals, (2).
 template <class S>
 ImuInterval<S> merged(const ImuInterval<S>& a, const ImuInterval<S>& b) {
   ImuInterval<S> out;

@@ -1,8 +1,8 @@
 #pragma once
-/// The inertial state of the body at one time, and its error.                                   docs/math/imu.md
+/// Inertial state of the body at one time, and its error.                                       docs/math/imu.md
 ///
 ///   x = (T_world_body, v, b_g, b_a),   error (15) = [dphi, dp, dv, dbg, dba]                                 (1)
-/// One order for state, residual, covariance and information. Pose increments are those of lie/plus.hpp, the rest is
+/// One order for state, residual, covariance and information. Pose increments are those of lie/plus.hpp, the others are
 /// additive.
 
 #include <concepts>
@@ -16,7 +16,8 @@ namespace plumbline {
 template <std::floating_point S>
 struct NavState {
   static constexpr int dof = 15;
-  enum Offset : int { rotation = 0, position = 3, velocity = 6, gyro_bias = 9, accel_bias = 12 };  ///< within (1)
+  /// Of the blocks in (1)
+  enum Offset : int { rotation = 0, position = 3, velocity = 6, gyro_bias = 9, accel_bias = 12 };
 
   SE3<S> T_world_body;
   Vec<S, 3> v_world_body = zeros<S, 3>();  ///< [m/s]
@@ -34,13 +35,14 @@ struct NavState {
   }
 };
 
+/// x [+] d.
 template <class S>
 NavState<S> plus(const NavState<S>& x, const Vec<S, 15>& d) {
   return {plus(x.T_world_body, segment<6>(d, 0)), x.v_world_body + segment<3>(d, 6), x.bias_gyro + segment<3>(d, 9),
           x.bias_accel + segment<3>(d, 12)};
 }
 
-/// plus(x0, minus(x1, x0)) = x1.
+/// x1 [-] x0: plus(x0, minus(x1, x0)) = x1.
 template <class S>
 Vec<S, 15> minus(const NavState<S>& x1, const NavState<S>& x0) {
   Vec<S, 15> d;

@@ -1,9 +1,10 @@
 #pragma once
-/// An increment that can be integrated again about other biases: it keeps its readings.         docs/math/imu.md
+/// Preintegrated increment that keeps its intervals, so that it can be re-integrated about other biases.
+/// docs/math/imu.md
 ///
-/// Room is bounded. When it is full, neighbouring intervals are merged two by two (interval.hpp (2)), and so is what
-/// comes after until it is as long: the increment stays as it is, and a later re-integration takes steps twice as long,
-/// all of them alike. 128 intervals are 0.64 s at 200 Hz, then 1.28 s in steps of 10 ms, and so on.
+/// The number of intervals is bounded. When it is reached, neighboring intervals are merged in pairs (interval.hpp
+/// (2)), and later ones are merged up to the same length. The increment itself does not change; a later re-integration
+/// takes steps twice as long. 128 intervals are 0.64 s at 200 Hz, then 1.28 s in steps of 10 ms, and so on.
 
 #include <concepts>
 #include <cstddef>
@@ -30,7 +31,7 @@ class Preintegration {
                           const Vec<S, 3>& bias_accel = zeros<S, 3>())
       : noise_(noise), increment_(bias_gyro, bias_accel) {}
 
-  /// The next interval; one without duration (or NaN) is refused.
+  /// Adds the next interval; false without a positive duration.
   bool add(const ImuInterval<S>& interval) {
     if (!(interval.dt > S(0))) return false;
     increment_.integrate(interval, noise_);
@@ -42,25 +43,25 @@ class Preintegration {
     return intervals_.push_back(interval);
   }
 
-  /// Continues with what comes right after, as when the state between the two is given up.
+  /// Appends the preintegration that follows, as when the state between the two is removed.
   void append(const Preintegration& next) {
     for (const ImuInterval<S>& interval : next.intervals_) add(interval);
   }
 
-  /// About other biases.
+  /// Integrates all intervals again about other biases.
   void reintegrate(const Vec<S, 3>& bias_gyro, const Vec<S, 3>& bias_accel) {
     increment_ = ImuIncrement<S>(bias_gyro, bias_accel);
     for (const ImuInterval<S>& interval : intervals_) increment_.integrate(interval, noise_);
   }
 
-  /// The accelerometer errs by that sigma, as over one second, whatever it said [m/s^2].
-  void doubt_accelerometer(S sigma) {
-    for (ImuInterval<S>& interval : intervals_) interval.doubt_accelerometer(sigma);
+  /// Adds white noise to the accelerometer; `sigma`: of its mean over one second [m/s^2].
+  void inflate_accelerometer_noise(S sigma) {
+    for (ImuInterval<S>& interval : intervals_) interval.inflate_accelerometer_noise(sigma);
     reintegrate(increment_.bias_gyro, increment_.bias_accel);
   }
 
-  /// Whether the first-order correction to that gyroscope bias is too coarse: more than 0.01 rad, or a second-order
-  /// error of the velocity above a tenth of its sigma. The accelerometer bias is corrected exactly.
+  /// Whether the first-order correction (7) to this gyroscope bias is inaccurate: a rotation of more than 0.01 rad, or
+  /// a second-order error of the velocity above a tenth of its sigma. The accelerometer bias is corrected exactly.
   bool is_far(const Vec<S, 3>& bias_gyro) const {
     const Vec<S, 3> d = bias_gyro - increment_.bias_gyro;
     const S angle = norm(d) * increment_.duration, variance = increment_.covariance(6, 6);
@@ -85,7 +86,7 @@ class Preintegration {
   ImuNoise noise_;
   ImuIncrement<S> increment_;
   Intervals intervals_;
-  S step_s_ = S(0);  ///< shorter ones are merged [s]
+  S step_s_ = S(0);  ///< intervals up to this length are merged with the next [s]
 };
 
 }  // namespace plumbline

@@ -1,7 +1,9 @@
 #pragma once
-/// Linear least squares over a chain of velocities V_0 .. V_K and a few numbers x common to all of it: each row is
-/// rotated into a triangle over (V_k, V_{k+1}, x | rhs), and V_k leaves it when its rows are complete. Memory and time
-/// are linear in K, no square of the condition number.                                docs/math/initialization.md
+/// Linear least squares in velocities V_0 .. V_K, each row with two successive ones, and N unknowns x common to all
+/// rows.
+///
+/// Each row is rotated into a triangle over (V_k, V_{k+1}, x | rhs); V_k is eliminated when its rows are complete.
+/// Memory and time are linear in K, and the condition number is not squared.                docs/math/initialization.md
 ///
 ///   Givens:  [c s; -s c] [R_cc; row_c] = [sqrt(R_cc^2 + row_c^2); 0]  for each column c                          (6)
 
@@ -18,17 +20,17 @@
 
 namespace plumbline {
 
-/// At most MaxFrames velocities, N common numbers. Rows are whitened by the caller. In double: it is solved once.
+/// At most MaxFrames velocities, N common unknowns. Rows are whitened by the caller. In double.
 template <int MaxFrames, int N>
 class VelocityChain {
  public:
-  /// No rows, no intervals.
+  /// Removes all rows.
   void clear() {
     R_ = {};
     eliminated_.clear();
   }
 
-  /// row x = rhs
+  /// Adds the equation row x = rhs.
   void add_common_row(const Mat<double, 1, N>& row, double rhs) {
     Row full{};
     for (int n = 0; n < N; ++n) full[6 + n] = row[n];
@@ -36,7 +38,7 @@ class VelocityChain {
     rotate_in(full);
   }
 
-  /// A_begin V_k + A_end V_{k+1} + B x = c of the next interval.
+  /// Adds the equations A_begin V_k + A_end V_{k+1} + B x = c of the next interval.
   void add_interval(const Mat<double, 6, 3>& A_begin, const Mat<double, 6, 3>& A_end, const Mat<double, 6, N>& B,
                     const Vec<double, 6>& c) {
     PLUMBLINE_ASSERT(!eliminated_.full());
@@ -58,7 +60,7 @@ class VelocityChain {
     }
   }
 
-  /// The minimum. False when anything is not determined: a pivot is lost in the rounding of the largest one.
+  /// Solves; false when an unknown is not determined: a pivot below the rounding error of the largest one.
   bool solve() {
     const int last = int(eliminated_.size());
     double smallest = std::numeric_limits<double>::infinity(), largest = 0;
@@ -107,6 +109,7 @@ class VelocityChain {
   static constexpr int columns = N + 7;  // V_k, V_{k+1}, x | rhs
   using Row = std::array<double, columns>;
 
+  /// Rotates a row into the triangle, (6).
   void rotate_in(Row& row) {
     for (int c = 0; c < columns; ++c) {
       const double length = std::hypot(R_[c][c], row[c]);
@@ -121,7 +124,7 @@ class VelocityChain {
     }
   }
 
-  /// The three rows of V_k.
+  /// The three rows of V_k in the triangle.
   const Row* rows_of(int k) const {
     return k < int(eliminated_.size()) ? eliminated_[std::size_t(k)].data() : R_.data();
   }

@@ -28,8 +28,8 @@ inline double seconds(TimeNs t) {
 
 /// Pairs (i, j) with |a[i] - b[j]| <= max_difference_ns, in order of i.
 ///
-/// The closest pair of all stands side by side when both lists are sorted into one; without it, the two times around it
-/// do. So a queue of neighbours is enough, and memory grows with the times, however large the difference may be.
+/// The closest pair of all is adjacent when both lists are sorted into one; without it, the two times around it
+/// do. So a queue of neighbors is enough, and memory grows with the times, however large the difference may be.
 inline IndexPairs associate_times(const std::vector<TimeNs>& a, const std::vector<TimeNs>& b,
                                   TimeNs max_difference_ns) {
   struct Item {

@@ -1,9 +1,9 @@
 #pragma once
 /// Reads a calibration from any of four formats, recognized by content: plumbline's plain calibration.yaml, EuRoC
-/// sensor.yaml, Kalibr camchain.yaml, OpenCV YAML.                                            docs/datasets.md
+/// sensor.yaml, Kalibr camchain.yaml, OpenCV YAML.                                docs/guide/your_recording.md
 ///
-/// Whatever the file says, `T_body_camera` maps camera coordinates into body (= IMU) coordinates, and `intrinsics` are
-/// fx fy cx cy [px], for double_sphere followed by xi alpha.
+/// Whatever the file's convention, `T_body_camera` maps camera coordinates into body (= IMU) coordinates, and
+/// `intrinsics` are fx fy cx cy [px], for double_sphere followed by xi alpha.
 
 #include <filesystem>
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What a calibration must satisfy whatever format it came in. Each fault names the key and the line it stands on.
+/// What a calibration must satisfy whatever format it came in. Each error names the key and its line.
 
 #include <algorithm>
 #include <cstdio>
@@ -17,7 +17,7 @@ namespace plumbline::io::detail {
 inline constexpr Range focal_range{1, 1e5, " px"};
 inline constexpr Range distortion_range{-1e6, 1e6};
 inline constexpr Range frame_rate_range{0.01, 1e4, " Hz"}, imu_rate_range{1, 1e5, " Hz"};
-inline constexpr Range depth_scale_range{1, 1e6, " units per metre"};
+inline constexpr Range depth_scale_range{1, 1e6, " units per meter"};
 inline constexpr Range time_offset_range{-3600, 3600, " s"};
 inline constexpr Range lever_range{-100, 100, " m"};
 inline constexpr Range gyro_density_range{1e-8, 1, " rad/s/sqrt(Hz)"}, accel_density_range{1e-7, 10, " m/s^2/sqrt(Hz)"};
@@ -56,7 +56,7 @@ inline std::string distortion_name(const YamlMap& map, const char* key) {
   map.fail(key, "is \"" + name + "\"; known are none, radtan and equidistant");
 }
 
-/// fx fy cx cy (xi alpha) and the resolution, as they stand under `intrinsics_key` and `resolution_key`.
+/// fx fy cx cy (xi alpha) and the resolution, as they are under `intrinsics_key` and `resolution_key`.
 inline void check_projection(const CameraCalibration& camera, const YamlMap& map, const char* intrinsics_key,
                              const char* resolution_key) {
   const std::size_t expected = camera.model == "double_sphere" ? 6 : 4;

@@ -1,5 +1,5 @@
 #pragma once
-/// What is known of a camera and an IMU before the first frame.                             docs/datasets.md
+/// What is known of a camera and an IMU before the first frame.                 docs/guide/your_recording.md
 
 #include <optional>
 #include <string>
@@ -26,8 +26,8 @@ struct Calibration {
   std::optional<SE3<double>> T_body_camera;  ///< camera into body (= IMU) coordinates
   std::optional<ImuNoise> imu;
   ImuBufferOptions imu_limits;      ///< full scales, where stated
-  double depth_scale = 0;           ///< raw depth units per metre; 0: no depth
-  double camera_time_offset_s = 0;  ///< time of the IMU's clock = time stamp of the image + offset
+  double depth_scale = 0;           ///< raw depth units per meter; 0: no depth
+  double camera_time_offset_s = 0;  ///< t_imu = t_image + offset
 };
 
 }  // namespace plumbline::io

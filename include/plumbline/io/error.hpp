@@ -1,5 +1,5 @@
 #pragma once
-/// What a reader says when a file cannot be used: one line, "file:line: what is wrong".
+/// The error where a file cannot be used: one line, "file:line: what is wrong".
 
 #include <filesystem>
 #include <stdexcept>

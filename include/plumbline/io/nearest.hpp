@@ -28,7 +28,7 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
 /// The known name that differs from `name` in a third of its characters at most; empty if there is none.
 template <class Names>
 std::string_view nearest_name(std::string_view name, const Names& known) {
-  constexpr std::size_t longest = 100;  // nobody misspells more
+  constexpr std::size_t longest = 100;  // of a misspelled name
   std::string_view nearest;
   std::size_t distance = (name.size() + 2) / 3 + 1;
   for (const std::string_view each : known) {

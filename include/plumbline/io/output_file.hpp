@@ -14,8 +14,8 @@
 
 namespace plumbline::io {
 
-/// Throws std::runtime_error that names the file. What stands there and is no plain file (a device, a pipe, a link)
-/// stays what it is: it is written directly. A FILE.part that is there already belongs to somebody else.
+/// Throws std::runtime_error that names the file. An existing file that is not a regular one (a device, a pipe, a
+/// symbolic link) is kept: it is written directly. An existing FILE.part is not overwritten.
 class OutputFile {
  public:
   explicit OutputFile(std::filesystem::path file) : file_(std::move(file)), part_(file_) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Text of others (file names, what stands in files) made fit for a terminal and for one line.
+/// Text of others (file names, content of files) made fit for a terminal and for one line.
 
 #include <algorithm>
 #include <cstddef>

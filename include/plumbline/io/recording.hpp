@@ -6,7 +6,7 @@
 ///   KITTI odometry  image_0/, times.txt, calibration.yaml
 ///
 /// Index files are read and checked whole when the recording is opened; images are only named. Where there is an IMU
-/// the frames' times are on its clock: time stamp + camera_time_offset_s. docs/datasets.md
+/// the frames' times are IMU times: time stamp + camera_time_offset_s. docs/guide/your_recording.md
 
 #include <algorithm>
 #include <cmath>
@@ -53,8 +53,8 @@ class Recording {
 
   /// The next item, false after the last frame. Before each frame come all IMU samples up to its time and the first one
   /// at or after it, so that the estimator can interpolate to the image's time; the stream begins with the last IMU
-  /// sample at or before the first frame. Its time is that in the file and, where the camera's clock was found to be
-  /// off, `time_offset_s` later.
+  /// sample at or before the first frame. A frame's time is that in the file plus `time_offset_s`, the estimated
+  /// correction of the time offset.
   bool next(Sample& out, double time_offset_s = 0) {
     if (frame_ == frame_count()) return false;
     const TimeNs t = files_.frames[frame_].t_ns + std::llround(1e9 * time_offset_s);
@@ -94,7 +94,7 @@ inline Recording Recording::open(const std::filesystem::path& directory, const O
   if (!out.calibration_.imu && files.imu_calibration)
     detail::read_imu(YamlMap(*files.imu_calibration), out.calibration_);
 
-  if (out.has_imu())  // frames on the IMU's clock
+  if (out.has_imu())  // frames in IMU time
     for (FrameSample& frame : files.frames) frame.t_ns += std::llround(out.calibration_.camera_time_offset_s * 1e9);
   const TimeNs first = files.frames.front().t_ns, last = files.frames.back().t_ns;
   std::erase_if(files.frames, [&](const FrameSample& frame) {

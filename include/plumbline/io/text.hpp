@@ -117,7 +117,7 @@ class RowReader {
     constexpr TimeNs farthest_ns = 4'000'000'000'000'000'000;  // differences stay within 64 bits
     if (!t) fail("\"" + std::string(fields_[0]) + "\" is not a time stamp " + unit);
     if (*t < -farthest_ns || *t > farthest_ns)
-      fail("the time stamp " + std::string(fields_[0]) + " is more than 126 years from the clock's zero");
+      fail("the time stamp " + std::string(fields_[0]) + " is more than 126 years from the epoch");
     return *t;
   }
 

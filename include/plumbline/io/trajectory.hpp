@@ -1,5 +1,6 @@
 #pragma once
-/// Trajectories as files: TUM text, EuRoC ground truth CSV, KITTI rows; written as TUM text.        docs/datasets.md
+/// Trajectories as files: TUM text, EuRoC ground truth CSV, KITTI rows; written as TUM text.
+///                                                                                      docs/guide/your_recording.md
 
 #include <cmath>
 #include <cstdio>

@@ -1,5 +1,6 @@
 #pragma once
-/// Pairs the poses of two trajectories by time and aligns the one to the other.    docs/datasets.md, "Evaluation"
+/// Pairs the poses of two trajectories by time and aligns the one to the other.
+///                                                                       docs/guide/your_recording.md, "Evaluate"
 ///
 /// The alignment S_reference_estimate minimizes the sum of squared distances of the pairs' positions. With yaw and
 /// position only (gravity is observed), C = sum (p_ref - mu_ref)(p_est - mu_est)^T and mu the means:

@@ -1,10 +1,11 @@
 #pragma once
-/// How far an estimated trajectory is from the true one, by the definitions of the evo tool.          docs/datasets.md
+/// How far an estimated trajectory is from the true one, by the definitions of the evo tool.
+///                                                                                        docs/guide/your_recording.md
 ///
 ///   absolute (ATE, APE):  e_i  = |p_ref,i - p_aligned,i|,  angle(R_aligned,i^T R_ref,i)                      (1)
 ///   relative (RPE):       E_ij = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j),  Q reference, P estimate;  |trans E|, angle E (2)
 /// The pairs (i, j) of the relative error:
-///   frames, metres  consecutive stretches: each begins where the one before ended; metres along the estimate's path
+///   frames, meters  consecutive stretches: each begins where the one before ended; meters along the estimate's path
 ///   seconds         every i, with j the pose nearest to t_i + delta, as the TUM benchmark's tool pairs them
 /// The standard deviation is that of the population.
 
@@ -67,12 +68,12 @@ inline PoseError absolute_error(const std::vector<PosePair>& pairs) {
   return {statistics(std::move(translation)), statistics(std::move(rotation))};
 }
 
-enum class DeltaUnit { seconds, frames, metres };
+enum class DeltaUnit { seconds, frames, meters };
 
 inline std::optional<DeltaUnit> delta_unit_named(std::string_view name) {
   if (name == "s") return DeltaUnit::seconds;
   if (name == "frames") return DeltaUnit::frames;
-  if (name == "m") return DeltaUnit::metres;
+  if (name == "m") return DeltaUnit::meters;
   return std::nullopt;
 }
 
@@ -83,8 +84,8 @@ inline IndexPairs pairs_by_frames(std::size_t count, std::size_t delta) {
   return out;
 }
 
-/// Consecutive stretches of at least `delta` metres along the estimated path; the first begins after the first `delta`.
-inline IndexPairs pairs_by_metres(const std::vector<PosePair>& pairs, double delta) {
+/// Consecutive stretches of at least `delta` meters along the estimated path; the first begins after the first `delta`.
+inline IndexPairs pairs_by_meters(const std::vector<PosePair>& pairs, double delta) {
   IndexPairs out;
   std::optional<std::size_t> begin;
   double path = 0;
@@ -98,7 +99,7 @@ inline IndexPairs pairs_by_metres(const std::vector<PosePair>& pairs, double del
   return out;
 }
 
-/// The relative error (2) over stretches of `delta` frames or metres of associated pairs.
+/// The relative error (2) over stretches of `delta` frames or meters of associated pairs.
 inline PoseError relative_error(const std::vector<PosePair>& pairs, const IndexPairs& stretches) {
   std::vector<double> translation, rotation;
   for (const auto& [i, j] : stretches) {

@@ -1,5 +1,6 @@
 #pragma once
-/// The whole comparison of an estimated trajectory with the true one.              docs/datasets.md, "Evaluation"
+/// The whole comparison of an estimated trajectory with the true one.
+///                                                                       docs/guide/your_recording.md, "Evaluate"
 
 #include <algorithm>
 #include <cmath>
@@ -51,8 +52,8 @@ inline double coverage(const Trajectory& reference, const std::vector<PosePair>&
   return static_cast<double>(covered.size()) / static_cast<double>(all.size());
 }
 
-/// Whether so few pairs say anything of two trajectories: two of a hundred that there could be, and where they are not
-/// even ten, one of ten of the longer one.
+/// Whether so many pairs suffice to compare two trajectories: two of a hundred that there could be, and where they are
+/// not even ten, one of ten of the longer one.
 inline bool are_enough(std::size_t pairs, std::size_t reference, std::size_t estimate) {
   if (50 * pairs < std::min(reference, estimate)) return false;
   return pairs >= 10 || 10 * pairs >= std::max(reference, estimate);
@@ -64,11 +65,11 @@ inline Evaluation evaluate_trajectory(const Trajectory& reference, const Traject
   std::vector<PosePair> pairs = associate(reference, estimate, settings.max_difference_s);
   if (pairs.empty())
     throw std::runtime_error("no pose of the estimate is within " + std::to_string(settings.max_difference_s) +
-                             " s of one of the reference: do their clocks agree?");
+                             " s of one of the reference: do both use the same clock?");
   if (!are_enough(pairs.size(), reference.size(), estimate.size()))
     throw std::runtime_error(std::to_string(pairs.size()) + " of " + std::to_string(estimate.size()) +
                              " poses have a partner among the reference's " + std::to_string(reference.size()) +
-                             ": too few to judge; do the clocks agree, and is the estimate complete?");
+                             ": too few to compare; do both use the same clock, and is the estimate complete?");
   const std::optional<Sim3<double>> alignment = align(pairs, settings.alignment);
   if (!alignment)
     throw std::runtime_error("cannot align " + std::to_string(pairs.size()) +
@@ -89,7 +90,7 @@ inline Evaluation evaluate_trajectory(const Trajectory& reference, const Traject
   out.ape = absolute_error(pairs);
   switch (settings.rpe_unit) {
     case DeltaUnit::seconds: out.rpe = relative_error_over_time(reference, out.aligned, settings.rpe_delta); break;
-    case DeltaUnit::metres: out.rpe = relative_error(pairs, pairs_by_metres(pairs, settings.rpe_delta)); break;
+    case DeltaUnit::meters: out.rpe = relative_error(pairs, pairs_by_meters(pairs, settings.rpe_delta)); break;
     case DeltaUnit::frames:
       out.rpe = relative_error(pairs, pairs_by_frames(pairs.size(), static_cast<std::size_t>(settings.rpe_delta)));
       break;

@@ -1,6 +1,6 @@
 #pragma once
-/// A YAML mapping that knows its file: every complaint names the line, and a key nobody asked for is an error that
-/// suggests the key that was probably meant.
+/// A YAML mapping with its file: every error names the line, and an unknown key is an error that suggests
+/// the key that was probably meant.
 
 #include <algorithm>
 #include <cmath>

@@ -1,27 +1,25 @@
 #pragma once
-/// A map remembers what leaves the backend, and says where its own frame, in which loops are closed, is now:
+/// Concept of a map, and the map that stores nothing. A map stores what leaves the backend, and gives the transform to
+/// the map frame, in which loops are closed:
 ///
 ///   map.retire(retired)     a frame with its landmarks, see Retired
-///   map.T_map_odom()        corrects the estimator's drifting world; the estimate itself never jumps
+///   map.T_map_odom()        correction of the drift of the estimator's world; the estimate itself does not jump
 ///
-/// NoMap: what leaves is forgotten.
-
-#include <concepts>
+/// NoMap is the default policy: no state, no code.
 
 #include "plumbline/lie/se3.hpp"
 
 namespace plumbline {
 
-template <class S>
+/// Map policy: what leaves the backend is discarded.
 struct NoMap {
-  void retire(const auto& /*retired*/) {}
-  static SE3<S> T_map_odom() { return {}; }
-};
-
-/// Policy: remembers nothing.
-struct Forgetful {
+  template <class S>
+  struct Discard {
+    void retire(const auto& /*retired*/) {}
+    static SE3<S> T_map_odom() { return {}; }
+  };
   template <class Sensors>
-  using Map = NoMap<typename Sensors::Scalar>;
+  using Map = Discard<typename Sensors::Scalar>;
 };
 
 }  // namespace plumbline

@@ -1,6 +1,6 @@
 #pragma once
-/// What a backend hands to a map when a frame leaves it: the frame, the landmarks anchored in it, where they were seen
-/// and how they look. All of it is values; the map copies what it wants to keep, nothing of it lives on.
+/// A retired frame, as a backend hands it to the map: the frame, the landmarks anchored in it, its observations and the
+/// appearance of its landmarks. All of it is valid during the call only; the map copies what it keeps.
 
 #include <cstdint>
 
@@ -20,10 +20,10 @@ class Retired {
 
   const std::uint32_t sequence;  ///< of the frame, counted from the first one
   const TimeNs t_ns;
-  const State x;  ///< as it was estimated last
+  const State x;  ///< last estimate
 
-  /// visit(landmark, observation): all landmarks anchored in the frame, in its camera's coordinates, and where it saw
-  /// them. A Landmark knows its kind, `Landmark::Kind`, its id, covariance and appearance.
+  /// visit(landmark, observation): all located landmarks anchored in the frame, in coordinates of its camera, with the
+  /// observation by the frame. A Landmark has its kind, `Landmark::Kind`, id, covariance and appearance.
   void for_each_landmark(auto&& visit) const {
     landmarks_.for_each([&](const auto& store) {
       for (const auto& landmark : store.landmarks()) {
@@ -31,7 +31,7 @@ class Retired {
       }
     });
   }
-  /// visit(id, observation): where the frame saw landmarks that stay with another one.
+  /// visit(id, observation): the frame's observations of landmarks anchored in other frames.
   void for_each_observation(auto&& visit) const {
     landmarks_.for_each([&](const auto& store) {
       for (const auto& landmark : store.landmarks()) {

@@ -1,11 +1,15 @@
 #pragma once
-/// Whether an accelerometer tells of the motion that is seen.                           docs/math/inertial_window.md
+/// Detector of accelerometer errors other than bias, such as a rotated or clipped axis, by comparison with images.
+///                                                                                docs/math/inertial_window.md
 ///
-/// Images, and the readings between two of them, give the velocity at the first; the readings carry it on:
+/// The velocity s_k at frame k by images and IMU, and the gain of velocity G_k that images show and the accelerometer
+/// does not measure:
 ///   s_k = (p_k+1 - p_k - q_k) / dt_k,     G_k = G_k-1 + s_k - s_k-1 - w_k-1                                   (1d)
-///   q, w: way of a body that was at rest, and its gain of velocity, as the readings foretell them, gravity included
-/// G is velocity that is seen to be gained, and not read. An accelerometer that is wrong is so all the while: G grows
-/// in the first half of some time as in the second. Images that are wrong make it jump.
+///   p      position of a frame by its images [m]
+///   q, w   displacement of a body at rest [m] and gain of velocity [m/s] by the IMU, gravity included
+/// A wrong accelerometer makes G grow steadily, wrong images make it jump. So the slope of G is compared in two
+/// successive intervals of half_s: an error is detected when both have the same direction and the smaller one exceeds
+///   max(max_error, sigmas * 2 sigma_p / (dt half_s))   [m/s^2]
 
 #include <algorithm>
 #include <cmath>
@@ -19,13 +23,15 @@
 namespace plumbline {
 
 struct AccelerometerCheckOptions {
-  double half_s = 0.25;             ///< G is watched for twice as long
-  double max_error = 0.6;           ///< of the acceleration: more, in both halves, is no bias [m/s^2],
-  double sigmas = 3;                ///< nor the noise of the places
-  double max_error_disputed = 0.3;  ///< the same where the window finds that images and readings disagree
-  double sigmas_disputed = 1.5;
-  double proven_s = 3;   ///< of motion that agreed: before, biases, tilt and mount may as well be wrong
-  double settles_s = 3;  ///< since it was last wrong
+  double half_s = 0.25;                 ///< duration of each of the two intervals [s]
+  double max_error = 0.6;               ///< smallest acceleration error that is detected; less may be bias [m/s^2]
+  double sigmas = 3;                    ///< smallest error in sigmas of the positions
+  double max_error_inconsistent = 0.3;  ///< max_error while the window reports `IMU disagrees` [m/s^2]
+  double sigmas_inconsistent = 1.5;     ///< sigmas while the window reports `IMU disagrees`
+  /// Consistent motion before the first detection [s]. Until then biases, tilt or extrinsics may be the cause.
+  double min_consistent_s = 3;
+  /// Time for which the accelerometer stays suspect after the last detection [s].
+  double hold_s = 3;
 };
 
 template <class S>
@@ -33,28 +39,29 @@ class AccelerometerCheck {
  public:
   explicit AccelerometerCheck(const AccelerometerCheckOptions& options) : options_(options) {}
 
-  /// The next frame of a body that moves: its place by its images with sigma [m], the frame before with its state, and
-  /// what the readings make of that state in dt > 0. `disputed`: images and readings disagree in other ways.
+  /// Adds the next frame of a moving body: position p by its images, with sigma [m], dt > 0 after the previous frame at
+  /// p_before in state `before`, from which the IMU predicts predicted_state. `inconsistent`: the window reports that
+  /// images and IMU disagree.
   void update(const Vec<S, 3>& p, S sigma, const Vec<S, 3>& p_before, const NavState<S>& before,
-              const NavState<S>& foretold, S dt, bool disputed) {
-    const Vec<S, 3> q = foretold.T_world_body.p() - before.T_world_body.p() - dt * before.v_world_body;
+              const NavState<S>& predicted_state, S dt, bool inconsistent) {
+    const Vec<S, 3> q = predicted_state.T_world_body.p() - before.T_world_body.p() - dt * before.v_world_body;
     const Vec<S, 3> v = (p - p_before - q) / dt;
-    if (!gains_.empty()) gained_ += v - carried_on_;  // (1d)
-    carried_on_ = v + foretold.v_world_body - before.v_world_body;
+    if (!gains_.empty()) gain_ += v - predicted_velocity_;  // (1d)
+    predicted_velocity_ = v + predicted_state.v_world_body - before.v_world_body;
     t_s_ += double(dt);
-    gains_.push_back({t_s_, gained_});
+    gains_.push_back({t_s_, gain_});
 
-    const double place_sigmas = disputed ? options_.sigmas_disputed : options_.sigmas;
-    const double limit = disputed ? options_.max_error_disputed : options_.max_error;
-    const double noise = 2 * double(sigma) / (double(dt) * options_.half_s);  // of the gain in one half
-    const bool wrong = error() > std::max(limit, place_sigmas * noise);
-    if (!wrong && !disputed) proven_s_ += double(dt);
-    since_wrong_s_ = wrong && proven_s_ > options_.proven_s ? 0 : since_wrong_s_ + double(dt);
+    const double position_sigmas = inconsistent ? options_.sigmas_inconsistent : options_.sigmas;
+    const double limit = inconsistent ? options_.max_error_inconsistent : options_.max_error;
+    const double noise = 2 * double(sigma) / (double(dt) * options_.half_s);  // of the slope of G
+    const bool exceeded = error() > std::max(limit, position_sigmas * noise);
+    if (!exceeded && !inconsistent) consistent_s_ += double(dt);
+    since_detection_s_ = exceeded && consistent_s_ > options_.min_consistent_s ? 0 : since_detection_s_ + double(dt);
   }
-  /// What comes is not next to what was.
+  /// Restarts (1d): the next frame does not follow the last one.
   void interrupt() { gains_.clear(); }
 
-  bool in_doubt() const { return since_wrong_s_ < options_.settles_s; }
+  bool is_suspect() const { return since_detection_s_ < options_.hold_s; }
 
  private:
   struct Gain {
@@ -62,7 +69,7 @@ class AccelerometerCheck {
     Vec<S, 3> v;
   };
 
-  /// Acceleration that both halves of the time watched agree on [m/s^2]; 0 before there is so much.
+  /// Acceleration error common to both intervals [m/s^2]; 0 before there are two.
   double error() const {
     const std::size_t last = gains_.size() - 1, middle = half_before(last), first = half_before(middle);
     if (first == none) return 0;
@@ -72,7 +79,7 @@ class AccelerometerCheck {
     const Vec<S, 3> early = acceleration(first, middle), late = acceleration(middle, last);
     return dot(early, late) > S(0) ? double(std::min(norm(early), norm(late))) : 0;
   }
-  /// The latest of those that are older by half the time or more.
+  /// Index of the latest entry that is half_s or more before entry k; none if there is no such entry.
   std::size_t half_before(std::size_t k) const {
     if (k == none) return none;
     const double t_s = gains_[k].t_s - 0.99 * options_.half_s;
@@ -82,9 +89,9 @@ class AccelerometerCheck {
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
   AccelerometerCheckOptions options_;
-  Vec<S, 3> gained_ = zeros<S, 3>(), carried_on_ = zeros<S, 3>();
-  RingBuffer<Gain, 64> gains_;  ///< 128 Hz; of a faster camera nothing is said
-  double t_s_ = 0, proven_s_ = 0, since_wrong_s_ = std::numeric_limits<double>::infinity();
+  Vec<S, 3> gain_ = zeros<S, 3>(), predicted_velocity_ = zeros<S, 3>();
+  RingBuffer<Gain, 64> gains_;  ///< enough for 128 Hz; at higher rates nothing is detected
+  double t_s_ = 0, consistent_s_ = 0, since_detection_s_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace plumbline

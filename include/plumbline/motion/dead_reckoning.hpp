@@ -1,22 +1,24 @@
 #pragma once
-/// Where a body is while its readings alone tell, from a state that was known; and, once they have told for too long or
-/// do not, how far it may have gone.                                                  docs/math/initialization.md (9)
+/// Dead reckoning: the state of a body propagated by the IMU alone, with the covariance of its pose.
+///                                                                              docs/math/initialization.md (9)
+/// After max_s, and from the first unusable sample of the accelerometer on, velocity and position are unknown: the
+/// position is held and its sigma grows with lost_speed.
 
 #include <cmath>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/imu/increment.hpp"
 #include "plumbline/imu/nav_state.hpp"
-#include "plumbline/state/origin.hpp"
+#include "plumbline/state/world_frame_uncertainty.hpp"
 
 namespace plumbline {
 
 struct DeadReckoningOptions {
-  double max_s = 3;            ///< after it velocity and place are anything
-  double velocity_walk = 0.1;  ///< of readings with biases and a vertical in doubt [m/sqrt(s)]
-  double rate_error = 5e-3;    ///< of the gyroscope's bias [rad/s]
-  double lost_speed = 1;       ///< of a body that nothing tells of, sigma [m/s]
-  double lost_rate = 1;        ///< the same of its rotation, where the gyroscope is silent as well [rad/s]
+  double max_s = 3;            ///< longest propagation of the position [s]
+  double velocity_walk = 0.1;  ///< random walk of the position by bias and tilt errors [m/sqrt(s)]
+  double rate_error = 5e-3;    ///< sigma of the gyroscope bias [rad/s]
+  double lost_speed = 1;       ///< sigma of the speed of a body that is not observed [m/s]
+  double lost_rate = 1;        ///< sigma of its angular rate without gyroscope [rad/s]
 };
 
 template <class S>
@@ -26,7 +28,7 @@ class DeadReckoning {
 
   explicit DeadReckoning(const DeadReckoningOptions& options = {}) : options_(options) {}
 
-  /// The body is at x, known that well [rad, m], and its velocity with a sigma [m/s].
+  /// Starts at the state x with the covariance P of its pose [rad, m] and the sigma of its velocity [m/s].
   void begin(const NavState<S>& x, const Covariance& P, S velocity_sigma) {
     x_ = x;
     P_ = P;
@@ -35,16 +37,16 @@ class DeadReckoning {
     begun_ = true;
     lost_ = counted_ = false;
   }
-  /// From now on its velocity is anything; whoever says so has counted the loss.
-  void lose() { lost_ = counted_ = true; }
+  /// The velocity is unknown from now on. The caller counts this loss.
+  void mark_lost() { lost_ = counted_ = true; }
 
-  /// The readings of the time dt since the last frame; those that are `blind` do not tell of the translation, `missing`
-  /// ones of nothing.
-  void advance(const ImuIncrement<S>& increment, const Vec<S, 3>& gravity, S dt, bool blind, bool missing) {
+  /// Propagates over the time dt [s] since the last frame. `unusable`: the accelerometer does not determine the motion;
+  /// `missing`: neither does the gyroscope.
+  void advance(const ImuIncrement<S>& increment, const Vec<S, 3>& gravity, S dt, bool unusable, bool missing) {
     if (!begun_) return;
     const S before_s = since_s_;
     since_s_ += dt;
-    lost_ = lost_ || blind || missing || !(since_s_ < S(options_.max_s));
+    lost_ = lost_ || unusable || missing || !(since_s_ < S(options_.max_s));
     NavState<S> x = increment.predict(x_, gravity);
     if (lost_) {
       const SO3<S> R = missing ? x_.T_world_body.rotation() : x.T_world_body.rotation();
@@ -53,27 +55,28 @@ class DeadReckoning {
     }
     P_ = carried(P_, x_.T_world_body, x.T_world_body);
     x_ = x;
-    const S grown = since_s_ * since_s_ - before_s * before_s, walk = S(options_.velocity_walk);
+    const S t2_step = since_s_ * since_s_ - before_s * before_s, walk = S(options_.velocity_walk);
     const S rate = S(missing ? options_.lost_rate : options_.rate_error);
     const S speed = lost_ ? S(options_.lost_speed) : velocity_sigma_;
     for (int k = 0; k < 3; ++k) {
-      P_(k, k) += rate * rate * grown;
-      P_(3 + k, 3 + k) += speed * speed * grown + walk * walk * dt;
+      P_(k, k) += rate * rate * t2_step;
+      P_(3 + k, 3 + k) += speed * speed * t2_step + walk * walk * dt;
     }
   }
 
-  /// True once after the body was lost, for who counts.
+  /// True once after each loss.
   bool count_loss() {
     const bool counts = lost_ && !counted_;
     counted_ = counted_ || lost_;
     return counts;
   }
 
-  /// Whether a body that is said to be at p, with a sigma [m], cannot be there, or nothing is known so badly here.
-  bool outweighs(const Vec<S, 3>& p, S sigma) const {
-    const S known = std::sqrt(P_(3, 3)), most = S(3) * std::hypot(sigma, known);
-    const bool excludes = !lost_ && !(norm(Vec<S, 3>(p - x_.T_world_body.p())) <= most);
-    return begun_ && (excludes || !(sigma <= S(2) * known));
+  /// Whether this position is preferred to another estimate p with its sigma [m]: p is beyond three sigmas of both, or
+  /// its sigma is more than twice the one here.
+  bool is_preferred_to(const Vec<S, 3>& p, S sigma) const {
+    const S position_sigma = std::sqrt(P_(3, 3)), gate = S(3) * std::hypot(sigma, position_sigma);
+    const bool excludes = !lost_ && !(norm(Vec<S, 3>(p - x_.T_world_body.p())) <= gate);
+    return begun_ && (excludes || !(sigma <= S(2) * position_sigma));
   }
 
   bool has_begun() const { return begun_; }

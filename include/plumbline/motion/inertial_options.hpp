@@ -1,37 +1,55 @@
 #pragma once
-/// What the motion of a rig with an IMU takes for granted of its sensors and of what it sees.
+/// Options of the motion model of a rig with an IMU: noise inflation, gates, detection of a stationary body.
 
 #include <algorithm>
 
-#include "plumbline/imu/standstill.hpp"
+#include "plumbline/imu/stationarity.hpp"
 #include "plumbline/motion/accelerometer_check.hpp"
 #include "plumbline/motion/gyroscope_check.hpp"
-#include "plumbline/motion/inertial_links.hpp"
+#include "plumbline/motion/imu_factors.hpp"
 #include "plumbline/state/camera_imu_filter.hpp"
 
 namespace plumbline {
 
-struct InertialOptions : InertialLinkOptions {
-  double gyro_inflation = 2;  ///< of the calibrated density: scale and alignment errors; vibration is measured
-  double accel_error = 6e-3;  ///< the same of an accelerometer, whatever its density [m/s^2/sqrt(Hz)],
-  double min_accel_inflation = 2, max_accel_inflation = 5;  ///< but so many times the density
+struct InertialOptions : ImuFactorOptions {
+  /// Factor on the calibrated gyroscope noise density, for scale and alignment errors. Vibration is measured.
+  double gyro_inflation = 2;
+  /// Accelerometer noise density in use [m/s^2/sqrt(Hz)], within the two limits below.
+  double accel_error = 6e-3;
+  /// Smallest and largest factor on the calibrated accelerometer noise density.
+  double min_accel_inflation = 2, max_accel_inflation = 5;
+  /// Factor on the random walks of both biases.
   double walk_inflation = 2;
-  double velocity_sigma = 0.1;    ///< of the velocity that predicts a frame, where the window does not tell [m/s]
-  double velocity_doubt = 3;      ///< the window's own is so much too small
-  double rotation_sigma = 5e-3;   ///< of the rotation since the last frame, beside the gyroscope's noise [rad]
-  double max_vote = 2;            ///< no pose farther from the prediction is taken where a nearer one has votes [sigma]
-  double rate_s = 0.02;           ///< readings of so long before an image tell how the body turns, and its rows with it
-  double max_innovation = 8;      ///< of a frame's pose by its images against the readings [sigma]
-  double doubted_innovation = 4;  ///< the same once another bias was found, which is to explain what is seen
-  double max_disagreement = 4;    ///< of readings and images, see InertialLinks; about 1 on a vibrating drone
-  double min_full_scale = 1.1;    ///< of an accelerometer that tells anything [gravity]
-  double rest_motion_px = 0.5;    ///< landmarks that moved less since the last keyframe do not contradict a standstill
-  double rest_check_s = 0.3;      ///< they are watched for so long
-  double rest_hysteresis = 2;     ///< limits are this much wider for a body at rest
-  double max_rest_link_s = 2;     ///< a standstill goes on for ever, its readings are of use for so long
+  /// Sigma of the predicted velocity where the window does not determine it [m/s].
+  double velocity_sigma = 0.1;
+  /// Factor on the velocity sigma of the window, which is too small.
+  double velocity_inflation = 3;
+  /// Sigma of the rotation since the last frame, in addition to the gyroscope noise [rad].
+  double rotation_sigma = 5e-3;
+  /// Gate of RANSAC consensus: a pose farther from the prediction is taken only if no nearer one has inliers [sigma].
+  double consensus_gate = 2;
+  /// Duration of the last samples before an image that give the angular rate at the image [s].
+  double rate_window_s = 0.02;
+  /// Gate of the pose by the images about the IMU prediction [sigma].
+  double innovation_gate = 8;
+  /// The same gate while a gyroscope bias jump is recent [sigma].
+  double innovation_gate_after_jump = 4;
+  /// Mean squared whitened residual of the IMU factors beyond which images and IMU disagree (ImuFactors::disagreement).
+  /// It is about 1 on a vibrating drone.
+  double max_disagreement = 4;
+  /// Smallest full scale of a usable accelerometer, in units of gravity.
+  double min_full_scale = 1.1;
+  /// Largest mean motion of the landmarks of a stationary body since the last keyframe [px].
+  double stationary_motion_px = 0.5;
+  /// Duration of the comparison before a body counts as stationary [s].
+  double stationary_check_s = 0.3;
+  /// Factor on the limits of stationarity for a body at rest.
+  double stationary_hysteresis = 2;
+  /// Longest factor of a stationary body [s]. Then a new one starts.
+  double max_stationary_factor_s = 2;
   GyroscopeCheckOptions gyro_check;
   AccelerometerCheckOptions accel_check;
-  StandstillOptions standstill;
+  StationarityOptions stationarity;
   CameraImuOptions camera_imu;
 
   ImuNoise inflated(ImuNoise noise) const {

@@ -1,22 +1,23 @@
 #pragma once
-/// A motion model says where the next frame is expected and how sure that is, and ties the frames of the window
-/// together by links. It owns what the sensors of the motion have told since the latest frame.
+/// A motion model predicts the next frame, with a prior of its pose, and gives the factors between the frames of the
+/// window. It owns the measurements of the motion sensors since the latest frame.
 ///
-///   calibrate         corrects what is believed of the rig (RigState) by what was found out about it; returns the time
-///                     offset of the camera [s]
-///   begin_frame       takes in what was measured up to a frame; the latest state is null before the first one
-///   predict           the frame's state, before its features are used. `align_motion(guess)` is what the images say of
-///                     the camera's motion since the previous one; `blind_s`: since when images are of no use
-///   admits            whether a pose is as near to the prediction as it should be
-///   contradicts       whether the sensors of the motion exclude the pose that the frame's features say
-///   update            the frame's features say that it is at T, that well: the state with which it enters the window
-///   turned_wrongly    by how much readings that were found wrong may have turned the frames up to this one [rad]
-///   revise            after the window was solved: whether the frame's state is corrected by what the images alone say
-///   lose              the images do not say where the frame is; `carries_on` if the model can without them
-///   restart           everything begins anew; returns where
-///   link, begin_link  from the last keyframe on; `at_rest`: the body has not moved since
-///   confirm_keyframe  whether a frame becomes a keyframe: by how far most landmarks moved [px], if the rule wants it
-///   doubt             what is wrong with what the sensors say
+///   calibrate           applies the estimated calibration to the rig (RigState); returns the time offset [s]
+///   begin_frame         integrates the measurements up to a frame; the latest state is null before the first frame
+///   predict             the state of the frame. `align_motion(guess)` is the rotation of the camera since the previous
+///                       image by image alignment; `outage_s` the time since the last usable image
+///   passes_gate         whether a pose is near the prediction (RANSAC consensus)
+///   contradicts         whether the motion sensors exclude the pose by the features (innovation gate)
+///   update              the state that enters the window, from the pose T by the features and its covariance
+///   gyro_jump_rotation  bound of the rotation error by a gyroscope bias jump up to this frame [rad]
+///   correct             after the window was optimized: whether the velocity is replaced by that of the images
+///   mark_lost           the frame has no pose by its images
+///   can_propagate       whether the motion can be predicted without images
+///   restart             resets the motion; returns the initial state
+///   factor              the factor from the last keyframe to the latest frame
+///   begin_factor        starts a new factor at the latest frame
+///   confirm_keyframe    whether the frame becomes a keyframe, from the mean motion of its landmarks [px] and the rule
+///   diagnose            the reason for degraded health, by the motion sensors
 
 #include <concepts>
 
@@ -31,45 +32,46 @@ namespace plumbline {
 template <class X, class S>
 struct Prediction {
   X state;             ///< of the frame
-  PosePrior<S> prior;  ///< about its pose
+  PosePrior<S> prior;  ///< of its pose
 };
 
-/// T, where the body is expected, with the camera's rotation as the images show it.
+/// T, the predicted pose, with the rotation by image alignment where that is valid.
 template <class S>
-SE3<S> turned_as_seen(const SE3<S>& T, const auto& view, auto&& align_motion) {
+SE3<S> with_image_rotation(const SE3<S>& T, const auto& view, auto&& align_motion) {
   const SE3<S>& T_world_previous = view.T_world_previous;
-  const auto seen = align_motion((T * view.T_body_cam).inverse() * (T_world_previous * view.T_body_cam));
-  if (!seen.valid) return T;
+  const auto aligned = align_motion((T * view.T_body_cam).inverse() * (T_world_previous * view.T_body_cam));
+  if (!aligned.valid) return T;
   const SO3<S> R_body_cam = view.T_body_cam.rotation();
-  return SE3<S>(T_world_previous.rotation() * R_body_cam * seen.R_cur_prev.inverse() * R_body_cam.inverse(),
-                seen.moved ? T.p() : T_world_previous.p());
+  return SE3<S>(T_world_previous.rotation() * R_body_cam * aligned.R_cur_prev.inverse() * R_body_cam.inverse(),
+                aligned.moved ? T.p() : T_world_previous.p());
 }
 
+/// The prediction. angular_rate [rad/s] and velocity [m/s] are those of the body in this frame, in its own axes.
 template <class M>
 concept Predicts = requires(M& motion, const M& known, const typename M::State& x, typename M::S dt) {
   motion.begin_frame(TimeNs{}, &x, dt);
-  { known.angular_rate() } -> std::convertible_to<Vec<typename M::S, 3>>;  // of the body in this frame [rad/s]
-  { known.velocity(x) } -> std::convertible_to<Vec<typename M::S, 3>>;     // there, in the body's own axes [m/s]
-  { known.carries_on() } -> std::convertible_to<bool>;
+  { known.angular_rate() } -> std::convertible_to<Vec<typename M::S, 3>>;
+  { known.velocity(x) } -> std::convertible_to<Vec<typename M::S, 3>>;
+  { known.can_propagate() } -> std::convertible_to<bool>;
   { motion.restart(x) } -> std::same_as<typename M::State>;
-  motion.lose();
+  motion.mark_lost();
 };
 
-/// `ties_frames`: links hold, so that every frame is solved for together with the window. `is_chain`: they go from each
-/// frame to the one before it.
+/// The factors. `is_initialized`: factors are active, so every frame is solved together with the window.
+/// `has_imu_factors`: each factor connects a frame with the previous one in time.
 template <class M>
-concept Ties = requires(M& motion, const M& known, const typename M::State& x) {
-  typename M::Layout;  // blocks of a frame
-  typename M::Link;
-  typename M::template Links<4>;
-  { M::is_chain } -> std::convertible_to<bool>;
-  { known.ties_frames() } -> std::convertible_to<bool>;
-  { known.at_rest() } -> std::convertible_to<bool>;
-  { known.link(0) } -> std::same_as<typename M::Link>;
-  motion.begin_link(x);
+concept ProvidesFactors = requires(M& motion, const M& known, const typename M::State& x) {
+  typename M::Layout;  // state blocks of a frame
+  typename M::Factor;
+  typename M::template Factors<4>;
+  { M::has_imu_factors } -> std::convertible_to<bool>;
+  { known.is_initialized() } -> std::convertible_to<bool>;
+  { known.is_stationary() } -> std::convertible_to<bool>;
+  { known.factor(0) } -> std::same_as<typename M::Factor>;
+  motion.begin_factor(x);
 };
 
 template <class M>
-concept MotionModel = Predicts<M> && Ties<M>;
+concept MotionModel = Predicts<M> && ProvidesFactors<M>;
 
 }  // namespace plumbline

@@ -1,5 +1,5 @@
 #pragma once
-/// Images from files, whole or not at all: a decoder fills what a cut file lacks with gray and says nothing, and an
+/// Images from files, whole or not at all: a decoder fills what a cut file lacks with gray without an error, and an
 /// estimator would take that for a scene. Each function throws std::runtime_error "file: what is wrong".
 
 #include <cstddef>
@@ -42,7 +42,7 @@ inline bool is_complete(std::string_view bytes) {
   return true;
 }
 
-/// `flags` are those of cv::imread; pixels stay where the sensor had them, whatever the file says of its orientation.
+/// `flags` are those of cv::imread; pixels stay where the sensor had them, whatever orientation the file states.
 inline cv::Mat read_image(const std::filesystem::path& file, int flags) {
   const std::filesystem::file_status status = std::filesystem::status(file);
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))  // a pipe would not answer
@@ -69,7 +69,7 @@ inline cv::Mat read_image(const std::filesystem::path& file, int flags) {
 
 }  // namespace detail
 
-/// 8-bit gray, CV_8U; colour is converted.
+/// 8-bit gray, CV_8U; color is converted.
 inline cv::Mat read_gray(const std::filesystem::path& file) { return detail::read_image(file, cv::IMREAD_GRAYSCALE); }
 
 /// Depth as recorded, CV_16U.
@@ -84,7 +84,7 @@ inline void require_resolution(const cv::Mat& image, int width, int height, cons
   const auto text = [](int w, int h) { return std::to_string(w) + " x " + std::to_string(h); };
   if (image.cols != width || image.rows != height)
     throw std::runtime_error(file.string() + ": the image is " + text(image.cols, image.rows) +
-                             ", the calibration says " + text(width, height));
+                             ", the calibration has " + text(width, height));
 }
 
 }  // namespace plumbline::opencv

@@ -20,7 +20,7 @@ namespace detail {
 struct JpegErrors {
   jpeg_error_mgr base;  // first: libjpeg hands out its address
   std::jmp_buf escape;
-  bool in_picture = false;  // what comes before is about colours and comments
+  bool in_picture = false;  // what comes before is about colors and comments
 
   [[noreturn]] static void fail(j_common_ptr jpeg) {
     std::longjmp(reinterpret_cast<JpegErrors*>(jpeg->err)->escape, 1);

@@ -35,7 +35,7 @@ struct LineMatchOptions {
   int max_distance = 60;          ///< below this many bits that differ
   float max_ratio = 0.8f;         ///< below this part of the distance to the second nearest
   float min_length_ratio = 0;     ///< of the shorter segment to the longer one
-  float max_shift_px = std::numeric_limits<float>::infinity();  ///< of the centre
+  float max_shift_px = std::numeric_limits<float>::infinity();  ///< of the center
 };
 
 struct LineMatch {
@@ -49,7 +49,7 @@ inline bool may_match(const LineSegment& a, const LineSegment& b, const LineMatc
   const float la = a.length(), lb = b.length();
   return a.direction().dot(b.direction()) > std::cos(options.max_angle_rad) &&
          std::min(la, lb) >= options.min_length_ratio * std::max(la, lb) &&
-         (a.centre() - b.centre()).norm() <= options.max_shift_px;
+         (a.center() - b.center()).norm() <= options.max_shift_px;
 }
 
 /// The nearest of the others that may match, and how near it and the next one are.

@@ -1,10 +1,10 @@
 #pragma once
 /// OpenCV's LSD in the place of LineSegmentDetector: Lines<60, opencv::LsdDetector<>>.      docs/math/line.md
 ///
-/// It works on the image scaled by s and multiplies positions by 1/s, which maps centres of pixels to centres only for
+/// It works on the image scaled by s and multiplies positions by 1/s, which maps centers of pixels to centers only for
 /// s = 1: the middle of pixel x of the small image is at (x + 1/2)/s - 1/2. Hence
 ///   uv = uv_opencv + (1/s - 1)/2 (1, 1)                                                                   (33)
-/// LSD has the brighter side on the other hand and no slope; both are read off the profile across. Parts of one edge
+/// LSD has the brighter side on the other hand and no gradient; both are read off the profile across. Parts of one edge
 /// are merged. Versions 3.4.6 to 4.5.3 of OpenCV have no LSD: cv::Exception.
 
 #include <algorithm>
@@ -76,7 +76,7 @@ class LsdDetector {
     return (s[2] - s[0]) * (s[2] - s[0]) + (s[3] - s[1]) * (s[3] - s[1]);
   }
 
-  /// Slope across by the kernel of the edge map, (18). False without one, as at the image's edge.
+  /// Gradient across by the kernel of the edge map, (18). False without one, as at the image's edge.
   static bool set_polarity(const ImageView<const std::uint8_t>& image, LineSegment& segment) {
     const LineProfile profile = profile_of(image, segment);
     const auto rise = [&](int d) {

@@ -1,11 +1,12 @@
 #pragma once
-/// A line anchored in one camera and measured, by its endpoints or their depth, in another one. docs/math/line.md
+/// Residual of a line anchored in one camera and measured, by its endpoints or their depth, in another one.
+///                                                                                          docs/math/line.md
 ///
 ///   (n_j, v_j) = (R n_a + t x R v_a, R v_a),   (R, t) = T_cam_j_cam_a,  (n_a, v_a) of the landmark            (13)
 ///   J_r_target = (12) in camera j                                                                   2x6
 ///   J_r_anchor = -(12) in camera a with H_n = J_r_n R, H_v = (J_r_n [t]x + J_r_v) R                 2x6       (14)
 ///   J_r_line   = [H_n, H_v] d(n_a; v_a)/d theta                                                     2x4       (15)
-/// Only the relative pose enters: there are no world-size moments to cancel.
+/// Only the relative pose enters, which avoids the cancellation of large moments in world coordinates.
 
 #include <concepts>
 
@@ -25,7 +26,7 @@ Plucker<S> line_in_target(const RelativeView<S>& view, const Plucker<S>& line_an
   return {view.R_target_anchor() * line_anchor.n + view.t_target_anchor().cross(v), v};
 }
 
-/// A line in its anchor camera, with what every residual of it needs.
+/// A line in its anchor camera with its Jacobian, shared by all of its residuals.
 template <class S>
 struct LinearizedLine {
   Plucker<S> plucker;
@@ -33,7 +34,7 @@ struct LinearizedLine {
   explicit LinearizedLine(const Line3<S>& line) : plucker(line.plucker()), J(line.plucker_jacobian()) {}
 };
 
-/// [H_n, H_v] of (14): by the line in the anchor, what is given by the line in the target.
+/// [H_n, H_v] of (14): converts derivatives by the line in the target camera to those by the line in the anchor camera.
 template <class S, int Rows>
 CameraLineLinearization<S, Rows> by_line_in_anchor(const CameraLineLinearization<S, Rows>& lin,
                                                    const RelativeView<S>& view) {
@@ -42,7 +43,7 @@ CameraLineLinearization<S, Rows> by_line_in_anchor(const CameraLineLinearization
   return {lin.valid, lin.r, product(lin.J_r_n, view.R_target_anchor()), product(tilted, view.R_target_anchor())};
 }
 
-/// (15)
+/// J_r_line, (15).
 template <class S, int Rows>
 Mat<S, Rows, 4> by_landmark(const CameraLineLinearization<S, Rows>& in_anchor, const LinearizedLine<S>& line) {
   Mat<S, Rows, 4> J = product(in_anchor.J_r_n, block<3, 4>(line.J, 0, 0));
@@ -50,14 +51,14 @@ Mat<S, Rows, 4> by_landmark(const CameraLineLinearization<S, Rows>& in_anchor, c
   return J;
 }
 
-/// The measurement is LineReprojection or LineInverseDepth.
+/// `Measurement`: LineReprojection or LineInverseDepth.
 template <class Measurement>
 struct AnchoredLine {
   using Scalar = typename Measurement::Scalar;
   using S = Scalar;
   static constexpr int dim = Measurement::dim;
   using Linearized = AnchoredLinearization<S, dim, 4>;
-  /// In the anchor itself the poses do not matter.
+  /// A residual in the anchor itself does not depend on poses.
   struct AnchorLinearized {
     bool valid;
     Vec<S, dim> r;
@@ -65,7 +66,7 @@ struct AnchoredLine {
   };
   Measurement measurement;
 
-  /// `line` in the anchor camera; the target camera is the one that measured.
+  /// `line` in the anchor camera, measured by the target camera.
   Linearized linearize(const RelativeView<S>& view, const Line3<S>& line) const {
     const LinearizedLine<S> linearized(line);
     const Plucker<S> in_target = line_in_target(view, linearized.plucker);
@@ -82,7 +83,7 @@ struct AnchoredLine {
     return out;
   }
 
-  /// For a measurement of the anchor camera.
+  /// For a measurement by the anchor camera.
   AnchorLinearized linearize_in_anchor(const LinearizedLine<S>& line) const {
     const CameraLineLinearization<S, dim> lin = measurement.linearize(line.plucker);
     AnchorLinearized out;

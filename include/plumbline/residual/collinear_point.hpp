@@ -1,5 +1,5 @@
 #pragma once
-/// A point that lies on a line, each anchored in a camera of its own.                      docs/math/collinear.md
+/// Residual of a point on a line, each anchored in a camera of its own.                     docs/math/collinear.md
 ///
 ///   P~ = R f + lambda t, (R, t) = T_line_point   the point in the line's camera, scaled by lambda (relative_view.hpp)
 ///   r = [ u1 . P~ ; u3 . P~ + lambda d ],  d = w1/w2,   |r| = lambda * distance          2x1 [rad]            (1)
@@ -7,8 +7,8 @@
 ///   J_r_lambda = N t + [0; d]                                                            2x1
 ///   J_r_line   = [ 0, -u3.P~, u2.P~, 0 ;  -u2.P~, u1.P~, 0, -lambda/w2^2 ]               2x4                 (2)
 ///   J_r_target by the pose of the line's body, from N by RelativeView (3)                2x6
-/// Both are distances to the line by the range of the point: a change of the scale of everything changes nothing, so
-/// that no force acts on the scale of a map.
+/// Both components are distances to the line divided by the range of the point: they are invariant to the scale, so the
+/// residual has no gradient along it.
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/geometry/line3.hpp"
@@ -21,7 +21,7 @@ template <std::floating_point S>
 struct CollinearPoint {
   using Scalar = S;
   static constexpr int dim = 2;
-  /// In the line's own camera `J_r_target` is zero, and so is the derivative by the pose of the point's.
+  /// For a point and a line of the same anchor `J_r_target` is zero, like the derivative by the anchor of the point.
   struct Linearized {
     Vec<S, dim> r = zeros<S, dim>();
     Mat<S, dim, 6> J_r_target = zeros<S, dim, 6>();
@@ -29,17 +29,17 @@ struct CollinearPoint {
     Mat<S, dim, 4> J_r_line = zeros<S, dim, 4>();
   };
 
-  /// (1) of a point P~ in the line's camera.
+  /// (1) for a point P~ in the camera of the line.
   static Vec<S, dim> residual(const Line3<S>& line, const Vec<S, 3>& P, S lambda) {
     const Mat<S, 3, 3> U = line.U().matrix();
     return {dot(column(U, 0), P), dot(column(U, 2), P) + lambda * line.w1() / line.w2()};
   }
 
-  /// Point and line of one anchor.
+  /// For point and line of the same anchor.
   static Linearized linearize(const Line3<S>& line, const Vec<S, 3>& bearing, S lambda) {
     return by_point_and_line(line, bearing, lambda);
   }
-  /// `view` from the anchor of the point to that of the line.
+  /// `view`: from the anchor of the point to that of the line.
   static Linearized linearize(const RelativeView<S>& view, const Line3<S>& line, const Vec<S, 3>& bearing, S lambda) {
     const Vec<S, 3> P = view.scaled_point(bearing, lambda);
     Linearized out = by_point_and_line(line, P, lambda);
@@ -56,7 +56,7 @@ struct CollinearPoint {
   }
 
  private:
-  /// J_r_lambda with P~ held.
+  /// r, J_r_line, and J_r_lambda with P~ fixed.
   static Linearized by_point_and_line(const Line3<S>& line, const Vec<S, 3>& P, S lambda) {
     const Mat<S, 3, 3> U = line.U().matrix();
     const S a = dot(column(U, 0), P), b = dot(column(U, 1), P), c = dot(column(U, 2), P), d = line.w1() / line.w2();

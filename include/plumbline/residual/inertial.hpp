@@ -1,10 +1,12 @@
 #pragma once
-/// Two inertial states against the IMU's increment between them, bias random walk included.    docs/math/imu.md
+/// Residual of two inertial states against the preintegrated IMU increment between them, with the random walk of the
+/// biases.
+///                                                                                              docs/math/imu.md
 ///
 ///   r_phi = Log(dR^^T R_i^T R_j)                                       [rad]          15x1, order of nav_state.hpp (9)
 ///   r_p   = R_i^T (p_j - p_i - v_i Dt - g Dt^2/2) - dp^                [m]
 ///   r_v   = R_i^T (v_j - v_i - g Dt) - dv^                             [m/s]
-///   r_bg  = bg_j - bg_i,   r_ba = ba_j - ba_i
+///   r_bg  = bg_j - bg_i,   r_ba = ba_j - ba_i                          [rad/s, m/s^2]
 /// dR^, dp^, dv^ are the increment corrected to the biases of state i, increment.hpp (7). Jacobians, Ji = Jr^-1(r_phi):
 ///   r_phi  by dphi_i: -Ji R_j^T R_i;  dphi_j: Ji;  dbg_i: -Ji Exp(r_phi)^T Jr(J_R_g dbg) J_R_g                    (10)
 ///   r_p    by dphi_i: [r_p + dp^]x;  dp_i: -I;  dv_i: -R_i^T Dt;  dbg_i: -J_p_g;  dba_i: -J_p_a;  dp_j: R_i^T R_j
@@ -30,7 +32,7 @@ struct InertialResidual {
     Vec<S, 15> r;
     Mat<S, 15, 15> J_r_i, J_r_j;
 
-    /// By L of `ImuIncrement::square_root_information`.
+    /// Multiplies by L of `ImuIncrement::square_root_information`.
     void whiten(const Mat<S, 15, 15>& L) {
       r = product(L, r);
       J_r_i = product(L, J_r_i);
@@ -38,7 +40,7 @@ struct InertialResidual {
     }
   };
 
-  const ImuIncrement<S>& increment;  ///< the measurement, kept by the caller
+  const ImuIncrement<S>& increment;  ///< the measurement, owned by the caller
   Vec<S, 3> gravity;                 ///< acceleration of free fall in the world [m/s^2]
 
   Linearized linearize(const NavState<S>& x_i, const NavState<S>& x_j) const { return linearize(x_i, x_j, x_i, x_j); }

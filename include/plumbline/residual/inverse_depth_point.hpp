@@ -1,12 +1,13 @@
 #pragma once
-/// A point anchored in one camera and seen, or its depth measured, in another one.           docs/math/point.md
+/// Residuals of a point anchored in one camera: its reprojection, or its measured depth, in another one.
+/// docs/math/point.md
 ///
 ///   reprojection   r = uv(P~) - uv_measured                          2x1 [px]                                (5)
 ///                  J_r_<block> = J_uv_p(P~) dP~/d<block>             2x6, 2x6, 2x1
 ///   inverse depth  r = lambda / P~_z - 1/z_measured                  1x1 [1/m]                               (6)
 ///                  J_r_<block> = -(lambda/P~_z^2) e3^T dP~/d<block>  1x6, 1x6
 ///                  J_r_lambda  = 1/P~_z - (lambda/P~_z^2) t_z        1x1
-/// Sigma of (6) is constant for a disparity sensor (1/z is linear in the disparity).
+/// The sigma of (6) is constant for a disparity sensor, in which 1/z is linear.
 
 #include <concepts>
 
@@ -17,8 +18,8 @@
 
 namespace plumbline {
 
-/// Value and Jacobians of a residual between anchor pose, target pose and the landmark's own parameters: the inverse
-/// range lambda of a point, or the four of a line.
+/// Value and Jacobians of a residual by the anchor pose, the target pose and the parameters of the landmark: the
+/// inverse range lambda of a point, or the four parameters of a line.
 template <class S, int Rows, int LandmarkDim = 1>
 struct AnchoredLinearization {
   bool valid;
@@ -34,7 +35,7 @@ struct InverseDepthReprojection {
   using S = Scalar;
   static constexpr int dim = 2;
   using Linearized = AnchoredLinearization<S, dim>;
-  /// By P~ alone. Rows that share P~ are chained to poses and lambda together, by RelativeView (3), (4).
+  /// Value and Jacobian by P~. Rows that share P~ are chained to poses and lambda together, by RelativeView (3), (4).
   struct ByPoint {
     bool valid;
     Vec<S, dim> r;
@@ -70,14 +71,14 @@ template <std::floating_point S>
 struct InverseDepthMeasurement {
   using Scalar = S;
   static constexpr int dim = 1;
-  static constexpr S z_min = S(1e-3);  ///< of P~, relative to the anchor's range
+  static constexpr S z_min = S(1e-3);  ///< smallest P~_z, relative to the range from the anchor
   using Linearized = AnchoredLinearization<S, dim>;
-  /// By P~ alone, see InverseDepthReprojection, and by lambda beside it.
+  /// Value and Jacobians by P~, see InverseDepthReprojection, and by lambda.
   struct ByPoint {
     bool valid;
     Vec<S, dim> r;
     Mat<S, dim, 3> J_r_P;
-    Vec<S, dim> J_r_lambda;  ///< P~ being held
+    Vec<S, dim> J_r_lambda;  ///< with P~ fixed
   };
 
   S inverse_depth_measured;  ///< 1/z [1/m]

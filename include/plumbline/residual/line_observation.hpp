@@ -1,5 +1,5 @@
 #pragma once
-/// What a camera measures of a line, and how it depends on the line's Pluecker coordinates (n, v) in that camera.
+/// Residuals of a line in the camera that measures it, by its Pluecker coordinates (n, v) in that camera.
 ///                                                                                          docs/math/line.md
 ///   endpoints      r_i = k_i nh . b_i,  nh = n/|n|                 2x1 [px]                                   (9)
 ///                  J_r_n = k_i/|n| (b_i - (nh . b_i) nh)^T         2x3;  J_r_v = 0
@@ -7,11 +7,11 @@
 ///   inverse depth  r_i = q . m_i - 1/z_i,  q = v x n/|n|^2         2x1 [1/m], m_i = b_i/b_iz                  (11)
 ///                  J_r_n = (m_i x v - 2 (q . m_i) n)^T/|n|^2,  J_r_v = (n x m_i)^T/|n|^2        2x3, 2x3
 /// (9) is the distance of the measured endpoints to the projected line, to first order in pixels, for every central
-/// camera: where an endpoint lies ALONG the line is not a measurement. The depth is that of the line at the ray; 1/z is
-/// affine along a segment, so two values hold all that a depth image says.
+/// camera; the position of an endpoint ALONG the line is not a measurement. (11) is the inverse depth of the line on
+/// the ray; 1/z is affine along a segment, so two values contain all information of a depth image.
 ///
-/// Not valid where the line passes the camera centre within 2 cm (its image turns into a point) or where what was
-/// observed would be behind the camera.
+/// Not valid if the line passes the camera center within 2 cm (its image degenerates to a point), or if the observed
+/// part would be behind the camera.
 
 #include <cmath>
 #include <concepts>
@@ -32,7 +32,7 @@ struct CameraLineLinearization {
   Mat<S, Rows, 3> J_r_v;
 };
 
-/// The line keeps clear of the camera's centre, and lies in front where it was seen; false for NaN.
+/// Whether the line is more than 2 cm from the camera center and in front of the camera at `bearing`; false for NaN.
 template <class S>
 bool line_visible(const Plucker<S>& line, const Vec<S, 3>& bearing) {
   constexpr S distance_min = S(0.02);  // [m]
@@ -48,7 +48,7 @@ Mat<S, 2, 3> rows(const Vec<S, 3>& a, const Vec<S, 3>& b) {
   return out;
 }
 
-/// (9)
+/// Measured endpoints, (9).
 template <std::floating_point S>
 struct LineReprojection {
   using Scalar = S;
@@ -78,7 +78,7 @@ struct LineReprojection {
   }
 };
 
-/// A measured segment; `valid` is false where the camera cannot see the pixels, or when they coincide.
+/// A measured segment; `valid` is false where the camera has no rays at its ends, or when they coincide.
 template <class S>
 struct LineObservation {
   bool valid = false;
@@ -111,7 +111,7 @@ LineObservation<typename Camera::Scalar> observe_line(const Camera& camera,
   return out;
 }
 
-/// (11)
+/// Measured inverse depths, (11).
 template <std::floating_point S>
 struct LineInverseDepth {
   using Scalar = S;
@@ -143,7 +143,7 @@ struct LineInverseDepth {
 
 static_assert(Residual<LineReprojection<float>> && Residual<LineInverseDepth<double>>);
 
-/// Derivative by the pose of the observing body, T_world_body; (n, v) is the line in its camera.               (12)
+/// Jacobian by the pose of the observing body, T_world_body; (n, v) is the line in its camera.                 (12)
 ///   [J_r_n [n]x + J_r_v [v]x, J_r_n [v]x] [R_e^T, 0; -R_e^T [p_e]x, R_e^T],   T_body_cam = (R_e, p_e)
 template <class S, int Rows>
 Mat<S, Rows, 6> line_pose_jacobian(const CameraLineLinearization<S, Rows>& lin, const Plucker<S>& line,

@@ -1,20 +1,21 @@
 #pragma once
-/// What all landmarks anchored in camera a and seen in camera j share, computed once for each pair. docs/math/point.md
-///
-/// An anchored point with unit bearing f and inverse range lambda is, in camera j and scaled by lambda,
+/// Relative pose of two cameras a (anchor) and j (target), and an anchored point in camera j, with Jacobians by both
+/// poses.
+///                                                                                          docs/math/point.md
+/// A point with unit bearing f and inverse range lambda in camera a is in camera j, scaled by lambda,
 ///   P~ = A R_e f + lambda t,   A = R_cb R_j^T R_a,   t = A p_e + R_cb (R_j^T (p_a - p_j) - p_e)              (1)
-/// with R_e, p_e = T_body_cam, R_cb = R_e^T. It is regular at lambda = 0. Derivatives by the retraction:
+/// with R_e, p_e = T_body_cam, R_cb = R_e^T; it is regular at lambda = 0. Jacobians by the increments:
 ///   dP~/d anchor  = [ -A [q]x , lambda A ],                q = R_e f + lambda p_e          3x6               (2)
 ///   dP~/d target  = R_cb [ [R_e P~ + lambda p_e]x , -lambda I ]                            3x6               (3)
 ///   dP~/d lambda  = t                                                                      3x1 [m]           (4)
-/// Poses enter through T_j^-1 T_a alone: d/d anchor = -(d/d target) Ad(T_j^-1 T_a), of everything that is seen.    (4a)
+/// Visual residuals depend on poses through T_j^-1 T_a alone: d/d anchor = -(d/d target) Ad(T_j^-1 T_a).           (4a)
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/se3.hpp"
 
 namespace plumbline {
 
-/// An anchored point as camera j sees it: lambda times its camera coordinates, with derivatives.
+/// An anchored point in camera j, scaled by lambda, with Jacobians by both poses.
 template <class S>
 struct ScaledPoint {
   Vec<S, 3> P;            ///< P~ = lambda P
@@ -22,11 +23,12 @@ struct ScaledPoint {
   Mat<S, 3, 6> J_target;  ///< (3)
 };
 
+/// Computed once for each pair of cameras and shared by all landmarks.
 template <class S>
 class RelativeView {
  public:
   RelativeView() = default;
-  /// Poses of the anchor's and the target's body, and the extrinsics of their one camera.
+  /// Poses of the body at anchor and target, and the extrinsics of the camera.
   RelativeView(const SE3<S>& T_world_anchor, const SE3<S>& T_world_target, const SE3<S>& T_body_cam)
       : R_e_(T_body_cam.R()), p_e_(T_body_cam.p()) {
     const Mat<S, 3, 3> R_a = T_world_anchor.R(), R_j = T_world_target.R(), R_ja = R_j.transpose() * R_a;
@@ -37,7 +39,7 @@ class RelativeView {
     t_.noalias() += R_e_.transpose() * offset;
   }
 
-  /// P~ alone, (1).
+  /// P~ of (1).
   Vec<S, 3> scaled_point(const Vec<S, 3>& bearing, S inverse_range) const {
     return AR_e_ * bearing + inverse_range * t_;
   }
@@ -57,7 +59,7 @@ class RelativeView {
     return out;
   }
 
-  /// Derivative by the target's pose of what depends on P~ by J_r_P, (3).
+  /// Jacobian by the target pose of a residual with the Jacobian J_r_P by P~, from (3).
   template <int Rows>
   Mat<S, Rows, 6> target_jacobian(const Mat<S, Rows, 3>& J_r_P, const Vec<S, 3>& P, S inverse_range) const {
     const Vec<S, 3> q = R_e_ * P + inverse_range * p_e_;
@@ -72,7 +74,7 @@ class RelativeView {
   const Vec<S, 3>& t_target_anchor() const { return t_; }
   /// Rotation from the anchor camera to the target camera.
   const Mat<S, 3, 3>& R_target_anchor() const { return AR_e_; }
-  /// The extrinsics that both views share.
+  /// Extrinsics of the camera.
   const Mat<S, 3, 3>& R_body_cam() const { return R_e_; }
   const Vec<S, 3>& p_body_cam() const { return p_e_; }
 

@@ -1,9 +1,9 @@
 #pragma once
-/// A line with known world coordinates, as the motion-only estimate uses it.                docs/math/line.md
+/// Residual of a line with fixed world coordinates, for pose refinement.                    docs/math/line.md
 ///
 ///   n_body = R^T (n_w - p x v_w), v_body = R^T v_w;  n_cam = R_cb (n_body - p_e x v_body), v_cam = R_cb v_body (16)
 ///   J_r_pose = (12);  J_r_line = [J_r_n A, (J_r_v - J_r_n [t]x) A],  A = R_cb R^T,  t = A p + R_cb p_e        (17)
-/// J_r_line belongs to (n_w; v_w): chained with a line's own derivatives it carries its uncertainty.
+/// J_r_line is by (n_w; v_w); with it the covariance of the line is added to that of the residual.
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/geometry/line3.hpp"
@@ -21,7 +21,7 @@ Plucker<S> line_in_camera(const BodyView<S>& view, const Plucker<S>& line_world)
   return {view.R_cam_body * (n_body - view.p_body_cam.cross(v_body)), view.R_cam_body * v_body};
 }
 
-/// The measurement is LineReprojection or LineInverseDepth.
+/// `Measurement`: LineReprojection or LineInverseDepth.
 template <class Measurement>
 struct WorldLine {
   using Scalar = typename Measurement::Scalar;

@@ -1,5 +1,5 @@
 #pragma once
-/// A point with known world coordinates, as the motion-only estimate uses it.                docs/math/point.md
+/// Residuals of a point with fixed world coordinates, for pose refinement.                  docs/math/point.md
 ///
 ///   p_body = R^T (X - p),  p_cam = T_cam_body p_body
 ///   reprojection   r = uv(p_cam) - uv_measured                    2x1 [px]                                  (7)
@@ -16,7 +16,7 @@
 
 namespace plumbline {
 
-/// Pose of the observing body together with its camera, inverted once for all points.
+/// Pose of the observing body and its extrinsics, inverted once for all points.
 template <class S>
 struct BodyView {
   Mat<S, 3, 3> R_body_world, R_cam_body;
@@ -40,7 +40,7 @@ struct WorldPointLinearization {
   Mat<S, Rows, 3> J_r_point;
 };
 
-/// From the derivative by the point in the body frame.
+/// Sets both Jacobians from that by the point in the body frame.
 template <class S, int Rows>
 void by_pose_and_point(const Mat<S, Rows, 3>& J_r_body, const BodyView<S>& view, const Vec<S, 3>& p_body,
                        WorldPointLinearization<S, Rows>& out) {

@@ -1,5 +1,5 @@
 #pragma once
-/// What a standstill says: no velocity, and no motion between two poses.                        docs/math/imu.md
+/// Residuals of a zero-velocity update: zero velocity, and no motion between two poses.      docs/math/imu.md
 ///
 ///   r = v                                                        3x1 [m/s],   J_r_v = I                         (11)
 ///   r = T_j [-] T_i = [Log(R_i^T R_j); R_i^T (p_j - p_i)]        6x1 [rad, m]                                   (12)

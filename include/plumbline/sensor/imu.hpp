@@ -1,5 +1,5 @@
 #pragma once
-/// The inertial sensor of a rig. Its frame is the body frame.
+/// IMU of a rig: calibration and limits. Its frame is the body frame.
 
 #include "plumbline/imu/imu_buffer.hpp"
 #include "plumbline/imu/noise.hpp"
@@ -10,10 +10,10 @@ namespace plumbline {
 struct Imu {
   static constexpr bool is_present = true;
 
-  SE3<double> T_body_cam;           ///< camera to body coordinates
-  ImuNoise noise;                   ///< as calibrated; the estimator inflates it, see InertialOptions
-  ImuBufferOptions limits;          ///< what the sensor can measure
-  double camera_time_offset_s = 0;  ///< time of the IMU's clock = time stamp of the image + offset
+  SE3<double> T_body_cam;           ///< extrinsics
+  ImuNoise noise;                   ///< calibrated noise; the estimator inflates it, see InertialOptions
+  ImuBufferOptions limits;          ///< full scale, gaps and further limits
+  double camera_time_offset_s = 0;  ///< t_imu = t_image + offset [s]
 };
 
 }  // namespace plumbline

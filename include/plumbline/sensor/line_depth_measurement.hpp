@@ -1,5 +1,5 @@
 #pragma once
-/// The depth of an image segment from the depth image around it.                            docs/math/line.md (26)
+/// Measurement of the depth of an image segment from the depth image beside it.              docs/math/line.md (26)
 
 #include <algorithm>
 #include <array>
@@ -18,15 +18,16 @@
 namespace plumbline {
 
 struct LineDepthSampling {
-  float near_px = 3.0f;     ///< distance to the segment: clear of mixed pixels and of the 3x3 of the depth image
-  float far_px = 8.0f;      ///< a second one, which tells how the surface goes on up to the segment
-  float spacing_px = 4.0f;  ///< along the segment, at most 30 places
-  float end_px = 3.0f;      ///< left out at both ends
+  /// Distance of a first sample to the segment [px]: outside mixed pixels and the 3x3 median.
+  float near_px = 3.0f;
+  float far_px = 8.0f;      ///< distance of a second sample [px], to check that the surface continues
+  float spacing_px = 4.0f;  ///< distance of samples along the segment [px], at most 30 positions
+  float end_px = 3.0f;      ///< length that is left out at both ends [px]
   LineDepthOptions fit;
 };
 
-/// Samples both sides of the segment from `uv_start` to `uv_end` [px], where the same surface goes on, and fits the
-/// inverse depth of each; that of the result belongs to these two pixels.
+/// Samples the depth on both sides of the segment from `uv_start` to `uv_end` [px] where the surface is continuous,
+/// fits the inverse depth of each side, and returns that of the nearer side at these two pixels.
 template <CameraModel Camera>
 LineDepth<typename Camera::Scalar> measure_line_depth(const Camera& camera,
                                                       const DepthSensor<typename Camera::Scalar>& sensor,
@@ -70,7 +71,7 @@ LineDepth<typename Camera::Scalar> measure_line_depth(const Camera& camera,
   }
   const auto fit = [&](const auto& samples) {
     LineDepth<S> out = fit_line_depth(std::span<const LineDepthSample<S>>(samples.data(), samples.size()), options.fit);
-    out.valid = out.valid && 3 * samples.size() >= 2 * static_cast<std::size_t>(places);  // holes all along say nothing
+    out.valid = out.valid && 3 * samples.size() >= 2 * static_cast<std::size_t>(places);  // too few samples otherwise
     return out;
   };
   return nearer_side(fit(sides[0]), fit(sides[1]));

@@ -1,5 +1,5 @@
 #pragma once
-/// A single gray camera. The largest image it may deliver is part of the type: it sizes every image buffer.
+/// A single gray camera. The largest image size is part of the type, because it sizes every image buffer.
 
 #include <cstddef>
 #include <cstdint>
@@ -20,7 +20,7 @@ struct Mono {
   static constexpr std::size_t max_pixels = MaxPixels;
   static constexpr bool has_depth = false;
 
-  /// What the sensor delivers; the pixels must stay alive during the call that gets it.
+  /// Data of one frame; the pixels must stay valid during the call that receives it.
   struct Frame {
     TimeNs t_ns = 0;
     ImageView<const std::uint8_t> gray;

@@ -1,5 +1,5 @@
 #pragma once
-/// A camera with depth images registered to it pixel for pixel.
+/// A camera with depth images registered to its gray images pixel by pixel.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace plumbline {
 
-/// Most depth cameras roll and do not say how fast.
+/// The default is a rolling shutter with unknown readout time, because most depth cameras have one.
 template <CameraModel CameraT, std::size_t MaxPixels = 752 * 480, class ShutterT = Rolling>
 struct Rgbd {
   using Camera = CameraT;
@@ -22,7 +22,7 @@ struct Rgbd {
   static constexpr std::size_t max_pixels = MaxPixels;
   static constexpr bool has_depth = true;
 
-  /// What the sensor delivers. An empty depth view is a frame without depth; it is used as one of a gray camera.
+  /// Data of one frame. A frame with an empty depth view is used like one of a gray camera.
   struct Frame {
     TimeNs t_ns = 0;
     ImageView<const std::uint8_t> gray;

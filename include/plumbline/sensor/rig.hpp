@@ -1,5 +1,5 @@
 #pragma once
-/// The sensors of a robot as one type: a camera and, or not, an inertial sensor. Absence is a type, not a flag.
+/// The sensors of a robot as one type: a camera and optionally an IMU. Absence is a type, not a flag.
 
 #include <concepts>
 #include <type_traits>
@@ -10,11 +10,12 @@
 
 namespace plumbline {
 
-/// No inertial sensor: no state, no memory, no code. The body frame is the camera frame.
+/// No IMU: no state, no memory, no code. The body frame is the camera frame.
 struct NoImu {
   static constexpr bool is_present = false;
 };
 
+/// `Vision`: Mono or Rgbd, `Inertial`: Imu or NoImu.
 template <class Vision, class Inertial = NoImu>
 struct Rig {
   using Scalar = typename Vision::Scalar;
@@ -28,7 +29,7 @@ struct Rig {
   Vision vision;
   [[no_unique_address]] Inertial imu{};
 
-  /// Camera to body coordinates; the identity where there is no IMU to define another body.
+  /// Extrinsics; the identity without an IMU.
   SE3<Scalar> T_body_cam() const {
     if constexpr (has_imu) {
       return imu.T_body_cam.template cast<Scalar>();

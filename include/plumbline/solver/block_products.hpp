@@ -44,7 +44,7 @@ EIGEN_DONT_INLINE void add_product(const Mat<S, N, N>& A, const Mat<S, N, N>& B,
   }
 }
 
-/// G += sum_k a_k a_k^T, its lower triangle and what stands right above it: even numbers keep vectors aligned.
+/// G += sum_k a_k a_k^T, its lower triangle and the entries right above it: even numbers keep vectors aligned.
 template <class S, int N, std::size_t R>
 EIGEN_DONT_INLINE void add_lower_product(const std::array<Vec<S, N>, R>& a, Mat<S, N, N>& G) {
   [&]<int... d>(std::integer_sequence<int, d...>) { (detail::add_column<d - d % 2>(a, a, d, G), ...); }

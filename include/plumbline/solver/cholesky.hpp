@@ -2,7 +2,7 @@
 /// Cholesky factor A = L L^T of a symmetric positive definite matrix of at most MaxDim rows, without heap.
 ///
 ///   L_ij L_jj^T = A_ij - sum_k L_ik L_jk^T,   k from the first block that rows i and j both have              (9)
-/// in blocks of 4 x 4, row by row, docs/math/solver.md. A row of L starts where the row of A does: what stands before
+/// in blocks of 4 x 4, row by row, docs/math/solver.md. A row of L starts where the row of A does: the part before
 /// its first number that is not zero stays zero, and costs nothing. An order of the parameters that makes rows short
 /// makes the factor cheap.
 

@@ -96,7 +96,7 @@ inline constexpr S rank_tolerance = std::numeric_limits<S>::epsilon() > S(1e-10)
 
 /// Triangularizes the `count` leading columns of M (rows x cols, its columns `stride` apart) in place by reflections of
 /// all of its rows, with pivoting among these columns. Returns their rank k: the rows from k on no longer contain them
-/// (what is left there is set to zero), and are all that M says about the other columns.
+/// (what is left there is set to zero), and are the constraints of M on the other columns.
 template <class S>
 int eliminate_leading_columns(S* M, int rows, int cols, int stride, int count) {
   S largest = S(0);

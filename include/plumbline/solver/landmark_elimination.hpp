@@ -7,17 +7,17 @@
 /// Q1 comes from reflections of J_l, never from (J_l^T J_l)^-1: an ill-conditioned landmark does not square its
 /// condition number. Levenberg-Marquardt appends the rows sqrt(mu) D to J_l, D^2 = clip(diag J_l^T J_l) as in (7).
 ///
-/// The landmark is held by one block, its anchor, and a row is of the kind of RelativeEquations: it sees how another
-/// block stands to the anchor. Without an anchor a row sees one block alone. J_p^T J_p, J_p^T r are sums over all
-/// landmarks of a pair of blocks and do not depend on mu; A is linear in the rows, and A^T A of rank LandmarkDim.
-/// Rows are kept as S, the arithmetic is that of Acc. Blocks of the normal equations may be larger than BlockDim: the
-/// rows then belong to their leading parameters.
+/// The landmark is held by one block, its anchor, and a row is of the kind of RelativeEquations: it depends on the
+/// relative pose of another block and the anchor. Without an anchor a row depends on one block alone. J_p^T J_p,
+/// J_p^T r are sums over all landmarks of a pair of blocks and do not depend on mu; A is linear in the rows, and A^T A
+/// of rank LandmarkDim. Rows are stored as S, the arithmetic is that of Acc. Blocks of the normal equations may be
+/// larger than BlockDim: the rows then belong to their leading parameters.
 ///
 /// Per iteration: reset, add ..., add_to the pairs, then for each mu: eliminate, add_to the products of its anchor,
 /// (complete, absorb), (solve), back_substitute_relative. One landmark alone may as well be complete at once, with the
 /// anchor's columns of A: eliminate with the pairs, subtract_from, back_substitute.
 ///
-/// Rows that tie the landmark to a second one wait until it is eliminated. One more reflection with its triangle takes
+/// Rows that depend on a second landmark, too, wait until it is eliminated. One more reflection with its triangle takes
 /// it out of them: what is left belongs to the blocks and to the second landmark, which absorbs them in turn.
 ///   [ R1  A  0   | c ]        [ R1'  A'   B  | c'  ]
 ///   [ J_l J_p J_o | r ]   ->  [  0   J_p' J_o' | r' ]                                                        (13)

@@ -18,7 +18,7 @@
 
 namespace plumbline {
 
-/// (16), J0 upper triangular, dim() x dim(). The x0 of the states is kept by whoever keeps the states.
+/// (16), J0 upper triangular, dim() x dim(). The x0 of the states is stored with the states.
 template <int MaxDim>
 struct Prior {
   using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, MaxDim, 1>;

@@ -1,7 +1,7 @@
 #pragma once
 /// Real roots of a polynomial c0 + c1 x + ... + cN x^N.                                     docs/math/solver.md (15)
 ///
-/// Between two neighbouring roots of its derivative a polynomial is monotone and has at most one root: from the linear
+/// Between two neighboring roots of its derivative a polynomial is monotone and has at most one root: from the linear
 /// (N-1)th derivative up, each level's roots divide the interval for the next. Newton's method finds them, kept between
 /// ends of different sign by bisection. Roots where the sign does not change may be missed.
 
@@ -16,13 +16,13 @@ namespace plumbline {
 
 namespace real_roots_detail {
 
-/// Value and slope at x of the polynomial of this degree.
+/// Value and derivative at x of the polynomial of this degree.
 template <std::floating_point S>
 struct Horner {
-  S value, slope = S(0);
+  S value, derivative = S(0);
   Horner(const S* c, int degree, S x) : value(c[degree]) {
     for (int k = degree - 1; k >= 0; --k) {
-      slope = slope * x + value;
+      derivative = derivative * x + value;
       value = value * x + c[k];
     }
   }
@@ -36,7 +36,7 @@ S root_between(const S* c, int degree, S a, S b) {
     const Horner<S> p(c, degree, x);
     if (p.value == S(0)) return x;
     (p.value < S(0) ? a : b) = x;
-    S next = x - p.value / p.slope;
+    S next = x - p.value / p.derivative;
     const bool inside = (next > a && next < b) || (next > b && next < a);  // false for NaN
     if (!inside) next = (a + b) / 2;
     if (next == x || next == a || next == b) return next;

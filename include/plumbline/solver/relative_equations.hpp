@@ -1,5 +1,5 @@
 #pragma once
-/// Rows that depend on nothing but how one block stands to another one: a camera j that sees what camera a holds.
+/// Rows that depend only on the relative pose of two blocks: a camera j that sees what camera a holds.
 ///                                                                                   docs/math/solver.md (9a)-(9c)
 ///   row   J (d_j - M_ja d_a) + r,  with one M_ja for all rows of the pair (a, j)                            (9a)
 ///   G_ja = sum J^T J,  g_ja = sum J^T r                                                                     (9b)

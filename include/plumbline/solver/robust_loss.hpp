@@ -85,7 +85,7 @@ struct GemanMcClure {
   S second(S s) const { return -2 * weight(s) / (k + s); }
 };
 
-/// The kernel for residuals of so many rows: as wide as it says itself by `for_rows<Rows>()`, or as by default.
+/// The kernel for residuals of so many rows: with the width of its `for_rows<Rows>()`, or the default.
 template <template <class> class Loss, class S, int Rows>
 inline constexpr Loss<S> loss_for = [] {
   if constexpr (requires { Loss<S>::template for_rows<Rows>(); }) {

@@ -1,6 +1,8 @@
 #pragma once
-/// What is estimated, block by block and by name: those of a frame, and those of the rig. A block has a value, and a
-/// dimension, that of its increment (docs/conventions.md); where it stands in a vector is for its Layout to say.
+/// Blocks of the state: the quantities that are estimated, each named by a type, of a frame and of the rig.
+///
+/// A block has a value type and a dimension, that of its increment (docs/conventions.md). Its offset in a vector is
+/// given by a Layout (state/layout.hpp).
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/se3.hpp"
@@ -21,14 +23,14 @@ struct Transform {
 };
 }  // namespace detail
 
-// Of a frame.
+// Blocks of a frame.
 struct Pose : detail::Transform {};       ///< T_world_body
 struct Velocity : detail::Vector<3> {};   ///< v_world_body [m/s]
 struct GyroBias : detail::Vector<3> {};   ///< [rad/s]
 struct AccelBias : detail::Vector<3> {};  ///< [m/s^2]
 
-// Of the rig.
+// Blocks of the rig.
 struct Extrinsics : detail::Transform {};  ///< T_body_cam
-struct TimeOffset : detail::Vector<1> {};  ///< of the camera's clock: time of the IMU = time of the image + offset [s]
+struct TimeOffset : detail::Vector<1> {};  ///< t_imu = t_image + offset [s]
 
 }  // namespace plumbline::state

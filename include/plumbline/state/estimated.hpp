@@ -1,9 +1,9 @@
 #pragma once
-/// One block of the state together with its first estimate.                                  docs/math/window.md
+/// One block of the state with its first estimate.                                           docs/math/window.md
 ///
-/// What a prior refers to keeps its linearization point x0 for ever and moves by a correction, x = x0 [+] e
-/// (first-estimate Jacobians): increments are added to e, Jacobians are taken at x0, and the prior is exactly
-/// r0 + J0 e. Before that the linearization point moves along with the value.
+/// A block that a prior refers to keeps its linearization point x0 and moves by a correction e, x = x0 [+] e
+/// (first-estimate Jacobians): increments are added to e, Jacobians are taken at x0, and the prior is exactly r0 + J0
+/// e. Before `fix_first_estimate` the linearization point moves with the value.
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/present.hpp"
@@ -22,11 +22,12 @@ class Estimated {
   Estimated(const Value& value, const Value& first) : value_(value), first_(first), e_(difference(value, first)) {}
 
   const Value& value() const { return value_; }
-  /// x0
+  /// x0: linearization point.
   const Value& first_estimate() const { return first_; }
-  /// e
+  /// e: increment from the first estimate to the value.
   const Step& correction() const { return e_; }
 
+  /// Moves the value by the increment d.
   void add(const Step& d) {
     if (fixed_) {
       e_ += d;
@@ -35,7 +36,7 @@ class Estimated {
       *this = Estimated(moved(value_, d), moved(first_, d));
     }
   }
-  /// From now on a prior refers to this first estimate.
+  /// Keeps the first estimate from now on, because a prior refers to it.
   void fix_first_estimate() { fixed_ = true; }
   bool is_fixed() const { return fixed_; }
 

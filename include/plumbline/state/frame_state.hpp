@@ -1,6 +1,6 @@
 #pragma once
-/// The state of one frame: its blocks by name, each with its first estimate; and the same as plain values, which is
-/// what motion models and residuals work on.
+/// State of one frame: its blocks by name, each with its first estimate; and the same as plain values, for motion
+/// models and residuals.
 
 #include <tuple>
 #include <type_traits>
@@ -12,11 +12,11 @@
 
 namespace plumbline {
 
-/// The plain values of a frame's blocks. A layout of one's own specializes it.
+/// The type that holds the plain values of a frame's blocks. A new layout specializes it.
 template <class S, class L>
 struct FrameValueOf;
 
-/// Of a camera alone.
+/// State of a frame without an IMU.
 template <class S>
 struct PoseState {
   SE3<S> T_world_body;
@@ -48,6 +48,7 @@ auto& value_of(X& x) {
   }
 }
 
+/// Blocks of layout L with scalar S.
 template <class S, class L>
 class FrameState;
 

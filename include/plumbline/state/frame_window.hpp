@@ -1,11 +1,15 @@
 #pragma once
-/// The one owner of poses: the frames that are estimated, each in a slot that it keeps while it lives, the latest one,
-/// which is one of them or stands alone, and the camera's on the body and its clock.         docs/math/window.md
+/// The frames that are estimated together, with the blocks of the rig: one owner of every pose, of the estimated
+/// extrinsics and of the estimated time offset.                                                     docs/math/window.md
 ///
-/// A pose that no prior refers to has the linearization point that stands to that of the newest one of the others as it
-/// stands to that one itself,
+/// A frame keeps its slot while it lives. The latest frame is one of them, or has a value of its own outside the
+/// window.
+///
+/// Let T, T0 be the value and the first estimate of the newest pose that a prior refers to. A pose x that no prior
+/// refers to has the linearization point
 ///   x0 = T0 T^-1 x,                                                                                          (3)
-/// so that Jacobians see how the two stand to each other now, however far the whole window has moved since.
+/// so that Jacobians contain the current pose of one frame relative to the other, whatever the common displacement of
+/// the window since T0.
 
 #include <array>
 #include <cstdint>
@@ -31,10 +35,11 @@ class FrameWindow {
   using TimeOffset = Estimated<state::TimeOffset, double>;
   static constexpr int slots = Slots;
 
+  /// One slot of the window.
   struct Frame {
     bool used = false;
     TimeNs t_ns = 0;
-    std::uint32_t sequence = 0;  ///< counts frames; larger is newer
+    std::uint32_t sequence = 0;  ///< number of the frame since the start; larger is newer
     State state;
   };
 
@@ -43,7 +48,7 @@ class FrameWindow {
   const SE3<S>& T_world_body(int slot) const { return frames_[slot].state.template get<state::Pose>().value(); }
   int size() const { return size_; }
   bool full() const { return size_ == Slots; }
-  /// Slot of the newest frame; only when there is one.
+  /// Slot of the newest frame; valid while there is one.
   int newest() const { return newest_; }
   int oldest() const {
     int found = newest_;
@@ -63,7 +68,7 @@ class FrameWindow {
     return found;
   }
 
-  /// Puts a frame into a free slot and returns it. The window must not be full.
+  /// Inserts a frame with value x and returns its slot. The window must not be full.
   int insert(TimeNs t_ns, const Value& x) {
     PLUMBLINE_ASSERT(!full());
     int slot = 0;
@@ -75,7 +80,7 @@ class FrameWindow {
     return slot;
   }
 
-  /// Frees a slot; not the last one. The latest frame stays the latest.
+  /// Frees a slot; at least one frame must remain. The latest frame stays the latest.
   void remove(int slot) {
     PLUMBLINE_ASSERT(frames_[slot].used && size_ > 1);
     if (slot == latest_slot_) set_latest(latest());
@@ -84,6 +89,7 @@ class FrameWindow {
     if (slot == newest_) newest_ = before(frames_[slot].sequence);
   }
 
+  /// Removes all frames; extrinsics and time offset are no longer estimated.
   void clear() {
     set_latest(latest());
     for (Frame& frame : frames_) frame.used = false;
@@ -92,7 +98,7 @@ class FrameWindow {
     estimates_time_offset_.set(false);
   }
 
-  /// Where the camera sits on the body is estimated as well, from now on until `clear`.
+  /// Extrinsics are estimated from now on until `clear`, beginning with `T_body_cam`.
   void estimate_extrinsics(const SE3<S>& T_body_cam) {
     Extrinsics extrinsics(T_body_cam);
     extrinsics.fix_first_estimate();
@@ -101,7 +107,7 @@ class FrameWindow {
   }
   bool estimates_extrinsics() const { return estimates_extrinsics_.get(); }
   const Extrinsics& extrinsics() const requires has_extrinsics<Layout> { return extrinsics_.get(); }
-  /// As it was found, or else as it is given.
+  /// Estimated extrinsics, or `given` where they are not estimated.
   const SE3<S>& T_body_cam(const SE3<S>& given) const {
     if constexpr (has_extrinsics<Layout>) {
       if (estimates_extrinsics()) return extrinsics().value();
@@ -109,7 +115,7 @@ class FrameWindow {
     return given;
   }
 
-  /// So is the offset of the camera's clock, which does not seem to be another.
+  /// The time offset is estimated from now on until `clear`, beginning with `offset_s` [s].
   void estimate_time_offset(double offset_s) {
     TimeOffset time_offset{state::TimeOffset::Value<double>(offset_s)};
     time_offset.fix_first_estimate();
@@ -118,7 +124,7 @@ class FrameWindow {
   }
   bool estimates_time_offset() const { return estimates_time_offset_.get(); }
   const TimeOffset& time_offset() const requires has_time_offset<Layout> { return time_offset_.get(); }
-  /// As it was found, or else as it is given [s].
+  /// Estimated time offset, or `given` where it is not estimated [s].
   double time_offset_s(double given) const {
     if constexpr (has_time_offset<Layout>) {
       if (estimates_time_offset()) return time_offset().value()[0];
@@ -126,7 +132,7 @@ class FrameWindow {
     return given;
   }
 
-  /// Moves all frames by their steps, one after the other in `step`, and the rig by what comes after them.
+  /// Adds increments: `step` has those of all slots one after the other, then those of the rig.
   void move(const auto& step) {
     int at = 0;
     const auto take = [&](auto& estimated, int block_at) {
@@ -152,17 +158,17 @@ class FrameWindow {
   }
 
   /// The state of the latest frame.
-  Value latest() const { return latest_slot_ < 0 ? alone_ : frames_[latest_slot_].state.value(); }
+  Value latest() const { return latest_slot_ < 0 ? latest_value_ : frames_[latest_slot_].state.value(); }
   void set_latest(int slot) { latest_slot_ = slot; }
   void set_latest(const Value& x) {
-    alone_ = x;
+    latest_value_ = x;
     latest_slot_ = -1;
   }
 
  private:
   using Pose = Estimated<state::Pose, S>;
 
-  /// (3)
+  /// Sets the first estimates of poses without a prior, (3).
   void relate_first_estimates() {
     const Frame* newest = nullptr;
     for (const Frame& frame : frames_) {
@@ -183,7 +189,7 @@ class FrameWindow {
   int size_ = 0;
   int newest_ = 0;
   int latest_slot_ = -1;  ///< -1: the latest frame is not in the window
-  Value alone_;           ///< the latest frame then
+  Value latest_value_;    ///< value of the latest frame when it is not in the window
   std::uint32_t sequence_ = 0;
   [[no_unique_address]] Present<Extrinsics, has_extrinsics<Layout>> extrinsics_;
   [[no_unique_address]] Present<bool, has_extrinsics<Layout>> estimates_extrinsics_;

@@ -1,5 +1,5 @@
 #pragma once
-/// Health is part of every estimate, so that a robot can act on it.
+/// Health of an estimate: a state and its reason, published with every estimate.
 
 #include <cstdint>
 
@@ -7,24 +7,24 @@ namespace plumbline {
 
 enum class HealthState : std::uint8_t {
   initializing,  ///< no pose yet
-  tracking,      ///< as good as it gets
-  degraded,      ///< a pose, but with little to support it
-  lost,          ///< the pose is the last one known
+  tracking,      ///< a pose with the usual accuracy
+  degraded,      ///< a pose of reduced accuracy
+  lost,          ///< no current pose: the last one is held
 };
 
 enum class HealthReason : std::uint8_t {
   none,
-  few_features,     ///< the images show little that can be tracked
-  few_inliers,      ///< most of what is tracked does not fit one rigid motion
+  few_features,     ///< too few features are tracked
+  few_inliers,      ///< most tracked features do not fit one rigid motion
   no_depth,         ///< the depth image has no measurement where the features are
-  unconstrained,    ///< the features seen do not determine the pose
-  aligning,         ///< vision works; scale, gravity and biases are not known yet, see InitReport
-  scale_uncertain,  ///< a pose, but its metres are a first guess
-  no_imu_data,      ///< inertial samples are missing
-  coasting,         ///< the pose is that of the IMU alone
-  imu_disagrees,    ///< readings and images contradict each other: clock, extrinsics or noise
-  images_repeat,    ///< the same picture again while the body moves
-  imu_saturated,    ///< readings at the sensor's full scale
+  unconstrained,    ///< the observed features do not determine the pose
+  aligning,         ///< scale, gravity and biases are not determined yet, see InitReport
+  scale_uncertain,  ///< a metric pose whose scale has a large sigma
+  no_imu_data,      ///< IMU samples are missing
+  imu_only,         ///< visual outage: the pose is propagated by the IMU alone
+  imu_disagrees,    ///< IMU and images contradict each other: time offset, extrinsics or noise are wrong
+  images_repeat,    ///< the image is identical to the previous one while the body moves
+  imu_saturated,    ///< IMU samples at the full scale of the sensor
 };
 
 struct Health {
@@ -52,7 +52,7 @@ constexpr const char* name_of(HealthReason reason) {
     case HealthReason::aligning: return "aligning";
     case HealthReason::scale_uncertain: return "scale uncertain";
     case HealthReason::no_imu_data: return "no IMU data";
-    case HealthReason::coasting: return "coasting";
+    case HealthReason::imu_only: return "IMU only";
     case HealthReason::imu_disagrees: return "IMU disagrees";
     case HealthReason::images_repeat: return "images repeat";
     case HealthReason::imu_saturated: return "IMU saturated";

@@ -1,5 +1,5 @@
 #pragma once
-/// Where the blocks stand in a vector, one after the other in the order of their names: computed, never written down.
+/// Offsets of blocks in a vector: the blocks stand one after the other in the order of the template arguments.
 ///
 ///   using Motion = Layout<state::Pose, state::Velocity>;
 ///   Motion::dim == 9, Motion::offset<state::Velocity> == 6
@@ -17,7 +17,7 @@ struct Layout {
   template <class Block>
   static constexpr bool has = (false || ... || std::is_same_v<Block, Blocks>);
 
-  /// Of the block's first number.
+  /// Index of the block's first number.
   template <class Block>
   static constexpr int offset = [] {
     static_assert(has<Block>, "plumbline: this state has no such block");
@@ -28,15 +28,14 @@ struct Layout {
   }();
 };
 
-/// What a frame of a camera alone has.
+/// Blocks of a frame without an IMU.
 using VisualLayout = Layout<state::Pose>;
-/// What leads in the state of a frame that moves.
+/// Leading blocks of a frame with a velocity.
 using MovingLayout = Layout<state::Pose, state::Velocity>;
-/// What a frame of a rig with an IMU has.                                                       docs/math/imu.md (1)
+/// Blocks of a frame of a rig with an IMU.                                                      docs/math/imu.md (1)
 using InertialLayout = Layout<state::Pose, state::Velocity, state::GyroBias, state::AccelBias>;
 
-/// What is estimated of the rig with such frames: where the camera sits and how its clock goes, on a body that readings
-/// move.
+/// Blocks of the rig that are estimated with frames of layout L: extrinsics and time offset with an IMU, else none.
 template <class L>
 using RigLayout =
     std::conditional_t<L::template has<state::Velocity>, Layout<state::Extrinsics, state::TimeOffset>, Layout<>>;

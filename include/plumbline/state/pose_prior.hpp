@@ -1,5 +1,5 @@
 #pragma once
-/// A belief about a frame's pose before its features are used.
+/// Prior on the pose of a frame from its prediction, before its features are used.
 
 #include <cmath>
 
@@ -8,14 +8,15 @@
 
 namespace plumbline {
 
-/// About the pose that is predicted; `valid` is false where nothing is believed.
+/// Standard deviations about the predicted pose; `valid` is false where there is no prior.
 template <class S>
 struct PosePrior {
   bool valid = false;
-  Vec<S, state::Pose::dim> sigma = zeros<S, state::Pose::dim>();  ///< of [dphi, dp] [rad, m]
+  Vec<S, state::Pose::dim> sigma = zeros<S, state::Pose::dim>();  ///< sigma of [dphi, dp] [rad, m]
 
-  /// Whether a pose may be the frame's that is so far, [dphi, dp], from the predicted one; a NaN may not.
-  bool admits(const Vec<S, state::Pose::dim>& d, S max_sigmas) const {
+  /// Whether the innovation d = [dphi, dp], pose minus predicted pose, is within `max_sigmas` on every axis; false for
+  /// NaN.
+  bool passes_gate(const Vec<S, state::Pose::dim>& d, S max_sigmas) const {
     if (!valid) return true;
     for (int k = 0; k < state::Pose::dim; ++k) {
       if (!(std::abs(d[k]) <= max_sigmas * sigma[k])) return false;

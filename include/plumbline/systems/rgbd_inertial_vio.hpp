@@ -1,23 +1,34 @@
 #pragma once
 /// RGB-D-inertial odometry with points and lines in a sliding window, after X. Zhao, C. Miao, H. Zhang, "Multi-Feature
-/// Nonlinear Optimization Motion Estimation Based on RGB-D and Inertial Fusion" (2020); without its loop closure.
+/// Nonlinear Optimization Motion Estimation Based on RGB-D and Inertial Fusion" (2020).         docs/math/window.md
 ///
 ///   static RgbdInertialVio<Pinhole<float>> vio{rig, {}};
 ///
-/// What the paper has: points by optical flow with an outlier test, lines without correspondence along the edge,
-/// orthonormal line parameters; a start by vision alone that is aligned with the preintegrated IMU; keyframes by
-/// parallax; Levenberg-Marquardt over poses, velocities, biases and landmarks with Huber's loss; marginalization of the
-/// oldest keyframe into a prior.
+/// From the paper:
+///   - points tracked by pyramidal Lucas-Kanade flow, new ones found by FAST; outlier rejection by RANSAC
+///   - lines as landmarks: orthonormal parameters; residual: distance of both segment ends from the projected line
+///   - visual poses aligned with the preintegrated IMU at initialization
+///   - keyframes by parallax; a window of poses, velocities, biases and landmarks; Levenberg-Marquardt, Huber loss
+///   - marginalization of the oldest keyframe into a prior; of a frame that is no keyframe the IMU samples stay
 ///
-/// What differs:
-///   - Points are landmarks, inverse ranges in their anchors, observed by pixel and inverse depth, each with its noise.
-///     The paper compares the 3D points of two frames with each other.
-///   - Flow is corrected by alignment with the anchor's pixels. Outliers are what does not fit a pose, not a
-///     fundamental matrix, which depth makes unnecessary.
-///   - Lines live in their anchor's camera, not in the world, and are observed by their depth, too.
-///   - What a frame that is no keyframe saw is dropped, not marginalized, when it leaves the window; its IMU readings
-///     go on to the next one, as in the paper.
-///   - First-estimate Jacobians. The readout time of a rolling shutter is found out while running.
+/// In the paper, not in this composition:
+///   - histogram equalization of the image, filtering of the depth image
+///   - RANSAC with a fundamental matrix; here it is P3P on located points
+///   - LSD segments matched by LBD descriptors; here a gradient-based detector in keyframes, and a search for the edge
+///     near its prediction (opencv/lsd_detector.hpp and opencv/lbd_matching.hpp have LSD and LBD)
+///   - ICP on matched 3D points for the visual poses of the initialization; here the pose refinement of every frame
+///   - 3D points of two frames compared with each other, without point landmarks
+///   - lines in world coordinates, triangulated
+///   - a robust loss on IMU residuals and on the prior
+///   - loop closure by bags of words, pose graph
+///
+/// In this composition, not in the paper:
+///   - points are landmarks: inverse range in the anchor keyframe, observed by pixel and inverse depth with sigmas
+///   - lines are in the anchor's camera and observed by their depth, too
+///   - flow is corrected by alignment with the anchor's patch
+///   - gravity, velocities and accelerometer bias by the alignment, not the gyroscope bias alone
+///   - first-estimate Jacobians; extrinsics, time offset and readout time of a rolling shutter are estimated
+///   - recovery after visual outages and IMU faults, docs/concepts/outages.md
 
 #include <cstddef>
 

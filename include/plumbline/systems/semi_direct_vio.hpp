@@ -1,17 +1,36 @@
 #pragma once
 /// Monocular-inertial odometry with points and lines, after N. Zhang, Y. Zhao, "Fast and Robust Monocular
-/// Visual-Inertial Odometry Using Points and Lines" (2019): the fast lane, for a small computer.   docs/math/direct.md
+/// Visual-Inertial Odometry Using Points and Lines" (2019): semi-direct, for small computers.   docs/math/direct.md
 ///
 ///   static SemiDirectVio<Pinhole<float, RadTan>> vio{rig, {}};
 ///
-/// What the paper has: the motion between two frames from the pixels of points and segments together, predicted by the
-/// IMU; then every feature by itself; pose and structure refined by reprojection errors; keyframes.
+/// From the paper:
+///   - sparse image alignment: the motion between two frames by the intensities of patches on points and along
+///     segments, with the IMU's prediction as prior
+///   - feature alignment: each point by itself, its reference patch warped by the relative pose
+///   - refinement of pose and structure by reprojection errors; of a line the distance of its ends
+///   - FAST corners and line segments in keyframes; bundle adjustment at each keyframe
+///   - depth filters for points and for both ends of segments: Gaussian inverse depth, Beta inlier ratio
+///   - initialization by two views, then alignment of visual poses with the preintegrated IMU
 ///
-/// What differs:
-///   - Each pixel along a segment is a residual of its own. The mean of absolute values over a segment, which the paper
-///     takes, hides the direction and cannot be differentiated where it matters.
-///   - Segments are lines with their own covariance, found by their edge across; ends are no measurement along it.
-///   - Keyframes that leave are marginalized, and velocity, biases and scale stay estimated after the start.
+/// In the paper, not in this composition:
+///   - the reference patch of the keyframe nearest to the new image; here it is that of the anchor, the keyframe of the
+///     first observation
+///   - alignment of segment ends by their pixels; here the edge is searched for across the segment
+///   - the mean of absolute differences over a segment as one residual; here each sample is a residual
+///   - LSD segments; here a gradient-based detector (opencv/lsd_detector.hpp has LSD)
+///   - 3D end points as the parameters of a line
+///   - homography or fundamental matrix, PnP and structure from motion in a window at initialization; here the relative
+///     pose with the rotation of the gyroscope as first guess, and the pose refinement of every frame
+///   - a mapping thread: detection and bundle adjustment run in add_frame, or beside it with an executor
+///     (estimator/executor.hpp); depth filters run in every frame
+///
+/// In this composition, not in the paper:
+///   - gain and bias of each frame in the alignment; a search along the epipolar curve for new points out of track
+///   - lines with four parameters and their covariance; of an observation only the part across the edge counts
+///   - velocity, biases, gravity's direction, scale, extrinsics and time offset are estimated after initialization
+///   - keyframes that leave the window are marginalized, with first-estimate Jacobians
+///   - recovery after visual outages and IMU faults, docs/concepts/outages.md
 
 #include <cstddef>
 

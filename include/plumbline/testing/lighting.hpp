@@ -3,7 +3,7 @@
 ///
 ///   E(p) = (0.75 + 0.6 (1 + n . l)/2) (1 - 0.75 O(p)),  O = mean over the hemisphere of max(0, 1 - d/d_max)
 ///
-/// with d the distance to the next surface: one soft directional light and the darkening towards corners and under
+/// with d the distance to the next surface: one soft directional light and the darkening toward corners and under
 /// boards.
 
 #include <algorithm>
@@ -31,7 +31,7 @@ class LightMap {
     const double inset = std::min(0.015, std::min(r.width, r.height) / 4);
     const double direct = 0.75 + 0.3 * (1 + n.dot(light));
     for (int j = 0; j < rows_; ++j) {
-      for (int i = 0; i < columns_; ++i) {  // samples on the border are drawn in, off the edge shared with a neighbour
+      for (int i = 0; i < columns_; ++i) {  // samples on the border are drawn in, off the edge shared with a neighbor
         const double u = std::clamp(i / static_cast<double>(per_u_), inset, r.width - inset);
         const double v = std::clamp(j / static_cast<double>(per_v_), inset, r.height - inset);
         const Vec<double, 3> p = r.origin + u * r.e_u + v * r.e_v + 1e-4 * n;

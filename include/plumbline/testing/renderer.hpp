@@ -5,8 +5,8 @@
 /// plane n . X = d is met where 1/t = w(b) = n . b / d at (u, v) = (A(b)/w, B(b)/w), A and B linear in the bearing:
 ///   A(b) = (e_u - (e_u . o)/d n) . b,   B(b) = (e_v - (e_v . o)/d n) . b                                     (1)
 /// A ray hits when w > 0, 0 <= A <= width w and 0 <= B <= height w: five linear forms that are all positive.        (2)
-/// Their extrema over the bearings of a tile reject most rectangles for the whole tile. One ray at the pixel's centre
-/// finds the surface; pixels with an edge in the 3x3 neighbourhood are resolved by 16 rays against the surfaces found
+/// Their extrema over the bearings of a tile reject most rectangles for the whole tile. One ray at the pixel's center
+/// finds the surface; pixels with an edge in the 3x3 neighborhood are resolved by 16 rays against the surfaces found
 /// there. No clipping and no division before shading, and no assumption on the camera but smooth bearings.
 /// Under a shutter that rolls every two rows have a pose of their own.
 
@@ -41,7 +41,7 @@ class Renderer {
         inverse_range_(bearings_.size()) {
     for (int y = 0; y < rows_; ++y) {
       for (int x = 0; x < stride_;
-           ++x) {  // the bearings go on beyond the image, so that differences exist on its border
+           ++x) {  // the bearings extend beyond the image, so that differences exist on its border
         using S = typename Camera::Scalar;
         const Unprojection<S> ray = camera.unproject(Vec<S, 2>(S(x), S(y)));
         bearings_.set(index(x, y),
@@ -74,7 +74,7 @@ class Renderer {
 
  private:
   static constexpr int tile = 16;
-  static constexpr float crack = 3e-5f;  ///< [m] by which rectangles are enlarged: neighbours leave no gap in float
+  static constexpr float crack = 3e-5f;  ///< [m] by which rectangles are enlarged: neighbors leave no gap in float
 
   using Form = Vec<float, 3>;
   struct Projected {
@@ -145,7 +145,7 @@ class Renderer {
     }
   }
 
-  /// Nearest surface at the centre of each pixel of a tile.
+  /// Nearest surface at the center of each pixel of a tile.
   void cast_tile(int x0, int y0, int rows) {
     Vec<float, 3> lo = bearings_(index(x0, y0)), hi = lo;
     for (int y = y0; y < y0 + rows; ++y) {
@@ -156,8 +156,8 @@ class Renderer {
         lo = lo.cwiseMin(b), hi = hi.cwiseMax(b);
       }
     }
-    const Vec<float, 3> centre = (lo + hi) / 2, half = (hi - lo) / 2;
-    const auto middle = [&](const Form& f) { return f.x() * centre.x() + f.y() * centre.y() + f.z() * centre.z(); };
+    const Vec<float, 3> center = (lo + hi) / 2, half = (hi - lo) / 2;
+    const auto middle = [&](const Form& f) { return f.x() * center.x() + f.y() * center.y() + f.z() * center.z(); };
     const auto radius = [&](const Form& f) {
       return std::abs(f.x()) * half.x() + std::abs(f.y()) * half.y() + std::abs(f.z()) * half.z();
     };
@@ -218,7 +218,7 @@ class Renderer {
                                              (p.a.dot(by) - u * wy) * iw, (p.b.dot(by) - v * wy) * iw);
   }
 
-  /// Mean over 16 rays: each surface found in the neighbourhood is shaded once, where its rays have their centre.
+  /// Mean over 16 rays: each surface found in the neighborhood is shaded once, where its rays have their center.
   float resolve_edge(int x, int y) const {
     const int i = index(x, y);
     const Vec<float, 3> b = bearings_(i), bx = step_x(i), by = step_y(i);

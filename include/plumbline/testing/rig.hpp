@@ -1,5 +1,5 @@
 #pragma once
-/// The mounting of the simulated camera on the body: looking forward, a few centimetres and degrees off.
+/// The mounting of the simulated camera on the body: looking forward, a few centimeters and degrees off.
 
 #include "plumbline/lie/se3.hpp"
 

@@ -19,7 +19,7 @@ namespace plumbline::testing {
 
 struct RoomRun {
   int frames = 0, tracked = 0;
-  double path_m = 0;   ///< travelled
+  double path_m = 0;   ///< traveled
   double error_m = 0;  ///< largest error of the motion since the first frame
 
   /// Every frame was tracked, and none was further off than that part of the path.

@@ -51,13 +51,13 @@ class Scene {
  public:
   std::vector<Rectangle> rectangles;
 
-  /// A rectangle with centre and normal in the placement; e_v is up (e_u the placement's x where it lies flat).
-  void add_rectangle(const SE3<double>& at, const Vec<double, 3>& centre, const Vec<double, 3>& normal, double width,
+  /// A rectangle with center and normal in the placement; e_v is up (e_u the placement's x where it lies flat).
+  void add_rectangle(const SE3<double>& at, const Vec<double, 3>& center, const Vec<double, 3>& normal, double width,
                      double height, const Material& material, double texel = 0.004) {
     const bool flat = std::abs(normal.z()) > 0.5;
     const Vec<double, 3> e_u = flat ? Vec<double, 3>::UnitX() : Vec<double, 3>(Vec<double, 3>::UnitZ().cross(normal));
     const Vec<double, 3> e_v = normal.cross(e_u);
-    const Vec<double, 3> origin = centre - 0.5 * width * e_u - 0.5 * height * e_v;
+    const Vec<double, 3> origin = center - 0.5 * width * e_u - 0.5 * height * e_v;
     rectangles.push_back({at * origin, at.rotation() * e_u, at.rotation() * e_v, width, height, material, texel});
   }
 
@@ -67,7 +67,7 @@ class Scene {
     add_rectangle(at, {(x0 + x1) / 2, y, (z0 + z1) / 2}, Vec<double, 3>::UnitY(), x1 - x0, z1 - z0, material, texel);
   }
 
-  /// The box [lo, hi] of the placement; the face towards +y has a material of its own. Faces that lie on the wall
+  /// The box [lo, hi] of the placement; the face toward +y has a material of its own. Faces that lie on the wall
   /// (y = 0) or on the floor (z = 0) of the placement cannot be seen and are left out.
   void add_box(const SE3<double>& at, const Vec<double, 3>& lo, const Vec<double, 3>& hi, const Material& sides,
                const Material& front, double front_texel = 0.004) {

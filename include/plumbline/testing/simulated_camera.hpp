@@ -37,7 +37,7 @@ struct CameraEffects {
   double blur_px = 0.45;                    ///< sigma of the point spread function, at most 0.7
   double exposure_amplitude = 0;            ///< e(t) = 1 + amplitude sin(2 pi t / period)
   double exposure_period_s = 6;             ///< [s]
-  double exposure_time_s = 0;               ///< > 0: motion blur, centred on the time stamp
+  double exposure_time_s = 0;               ///< > 0: motion blur, centered on the time stamp
   int exposure_steps = 7;                   ///< rendered images averaged over the exposure
   double readout_s = 0;                     ///< > 0: rows are exposed one after the other, the middle one at the stamp
   double depth_sigma = 1.5e-3;              ///< [1/m]; 1.4 cm at 3 m

@@ -21,13 +21,13 @@ struct ImuQuality {
   double gyro_bias_sigma = 0.02;   ///< [rad/s]
   double accel_bias_sigma = 0.08;  ///< [m/s^2]
 
-  /// Exact readings at that rate.
+  /// Exact measurements at that rate.
   static ImuQuality perfect(double rate_hz = 200) { return {{0, 0, 0, 0, rate_hz}, 0, 0}; }
 };
 
 class SimulatedImu {
  public:
-  struct Reading {
+  struct Measurement {
     double t = 0;  ///< [s]
     Vec<double, 3> gyro, accel;
     Vec<double, 3> gyro_bias, accel_bias;  ///< truth at t
@@ -36,16 +36,17 @@ class SimulatedImu {
       return {t_start_ns + static_cast<TimeNs>(std::llround(t * 1e9)), gyro, accel};
     }
   };
+  using Reading = Measurement;
 
   SimulatedImu(const ImuQuality& quality, std::uint64_t seed) : noise_(quality.noise), normal_(stream_seed(seed, 4)) {
     gyro_bias_ = quality.gyro_bias_sigma * normal_.vector<3>();
     accel_bias_ = quality.accel_bias_sigma * normal_.vector<3>();
   }
 
-  /// The next reading: numbers 0, 1, ... are taken at t = number / rate.
-  Reading next(const Trajectory& trajectory) {
+  /// The next measurement: numbers 0, 1, ... are taken at t = number / rate.
+  Measurement next(const Trajectory& trajectory) {
     const double rate = noise_.rate_hz, root = std::sqrt(rate);
-    Reading out;
+    Measurement out;
     out.t = static_cast<double>(count_++) / rate;
     out.motion = trajectory.at(out.t);
     out.gyro_bias = gyro_bias_;

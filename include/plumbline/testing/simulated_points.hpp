@@ -29,7 +29,7 @@ struct SimulatedPoints {
   std::vector<Vec<double, 3>> p_world;
   double sigma_px = 0.5;
   double sigma_inverse_depth = 5e-3;  ///< [1/m]
-  double noise_scale = 1;             ///< of (1); 0: exact measurements that claim these sigmas
+  double noise_scale = 1;             ///< of (1); 0: exact measurements with these sigmas
   double outlier_share = 0;           ///< of all pixels but the first, off by outlier_px in a random direction
   double outlier_px = 20;
   double z_min = 0.5, z_max = 8;  ///< [m]

@@ -153,9 +153,9 @@ inline float books(const Material& m, float u, float v, float height) {
   if (u < left(book)) --book;
   const float top = height * (0.72f + 0.27f * hash01(book, 1, m.seed));
   if (v > top || u - left(book) < 0.003f) return 0.06f;
-  const float tone = 0.1f + 0.75f * hash01(book, 2, m.seed), centre = top * (0.3f + 0.5f * hash01(book, 3, m.seed));
+  const float tone = 0.1f + 0.75f * hash01(book, 2, m.seed), center = top * (0.3f + 0.5f * hash01(book, 3, m.seed));
   const float across = (u - left(book)) / (left(book + 1) - left(book));
-  const bool title = std::abs(v - centre) < 0.2f * top && std::abs(across - 0.5f) < 0.25f;
+  const bool title = std::abs(v - center) < 0.2f * top && std::abs(across - 0.5f) < 0.25f;
   if (title && text(v, u, 0.016f, m.seed + 5) > 0) return tone > 0.45f ? 0.08f : 0.9f;
   const bool band = std::abs(v - 0.12f * top) < 0.012f;
   return band ? 1 - tone : tone + 0.05f * value_noise(u * 60, v * 25, m.seed);

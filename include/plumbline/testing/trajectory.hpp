@@ -1,9 +1,9 @@
 #pragma once
 /// Smooth paths through the simulated scenes with exact derivatives.
 ///
-/// Position and yaw, pitch, roll are sums of sinusoids of the phase s(t), which rests and then gains speed during T
-/// (C^5), may rest once more from b to e, or s = t for a camera shaken by hand:
-///   s(t) = r(t - rest) - r(t - b) + r(t - e),  r(t) = T F(t/T),
+/// Position and yaw, pitch, roll are sums of sinusoids of the phase s(t). It is constant up to t_0, gains speed during T
+/// (C^5), and may be constant again from b to e; s = t for a camera shaken by hand:
+///   s(t) = r(t - t_0) - r(t - b) + r(t - e),  r(t) = T F(t/T),
 ///   F' = 126 x^5 - 420 x^6 + 540 x^7 - 315 x^8 + 70 x^9 on [0, 1], then 1                                        (1)
 ///   R_world_body = Rz(yaw) Ry(pitch) Rx(roll)                                                                    (2)
 ///   w_body = [roll' - yaw' sin pitch;  pitch' cos roll + yaw' cos pitch sin roll;
@@ -46,7 +46,7 @@ struct MotionState {
   Vec<double, 3> w_body;        ///< angular rate in the body frame [rad/s]
 
   static Vec<double, 3> gravity() { return {0, 0, -9.81}; }
-  /// What an ideal accelerometer reads: R^T (a - g) [m/s^2].
+  /// The measurement of an ideal accelerometer: R^T (a - g) [m/s^2].
   Vec<double, 3> specific_force() const {
     return T_world_body.rotation().inverse() * Vec<double, 3>(a_world_body - gravity());
   }
@@ -54,7 +54,7 @@ struct MotionState {
 
 class Trajectory {
  public:
-  static constexpr double standstill_s = 1.0, ramp_s = 1.0;
+  static constexpr double stationary_s = 1.0, ramp_s = 1.0;
 
   /// The path of that scene, its sway varied by the seed; nothing when the name is unknown.
   static std::optional<Trajectory> for_scene(std::string_view scene, std::uint64_t seed = 1) {
@@ -68,7 +68,7 @@ class Trajectory {
   /// In the middle of the room, shaken by hand at 2 to 4 Hz from the first instant on: up to 5 rad/s and 20 m/s^2.
   static Trajectory shaken(std::uint64_t seed = 1) { return Trajectory(Kind::shaken, seed); }
 
-  /// Slows down at begin_s, which takes a second (in the hall six), and goes on from end_s.
+  /// Slows down at begin_s, which takes a second (in the hall six), and continues from end_s.
   void stop(double begin_s, double end_s) {
     stop_s_ = begin_s;
     go_s_ = end_s;
@@ -146,7 +146,7 @@ class Trajectory {
   Jet phase(double t) const {
     const bool slow = kind_ == Kind::hall;
     const double T = slow ? 6 * ramp_s : ramp_s;
-    return ramp(t - standstill_s, T) + (-1.0) * ramp(t - stop_s_, T) + ramp(t - go_s_, T);
+    return ramp(t - stationary_s, T) + (-1.0) * ramp(t - stop_s_, T) + ramp(t - go_s_, T);
   }
   static Jet ramp(double t, double T) {
     const double x = t / T;

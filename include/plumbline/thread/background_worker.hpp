@@ -1,7 +1,7 @@
 #pragma once
 /// An executor (estimator/executor.hpp) with a thread of its own, which sleeps while there is nothing to do:
 ///
-///   using Vio = Estimator<Sensors, Features, DirectGaussNewton<10>, NoClock, Forgetful, BackgroundWorker>;
+///   using Vio = Estimator<Sensors, Features, DirectGaussNewton<10>, NoClock, NoMap, BackgroundWorker>;
 ///
 /// The heap is used once, for the thread.
 
@@ -35,7 +35,7 @@ class BackgroundWorker {
  private:
   enum class State : int { idle, busy, ending };
 
-  /// What was written before is read by whoever sees it.
+  /// A reader of it sees what was written before.
   void become(State state) {
     state_.store(state);
     state_.notify_all();

@@ -33,7 +33,7 @@ Mat<S, 2, 6> motion_jacobian(const Mat<S, 2, 3>& J_uv_p, const Mat<S, 3, 3>& R_c
 
 struct AlignmentPatch {
   static constexpr int size = 4, samples = size * size;
-  static constexpr int bordered_size = size + 2;  ///< with neighbours for the gradients
+  static constexpr int bordered_size = size + 2;  ///< with neighbors for the gradients
 
   bool valid = false;    ///< inside the previous image
   bool visible = false;  ///< and inside the current one
@@ -45,33 +45,33 @@ struct AlignmentPatch {
   Vec<float, 4> q_r = zeros<float, 4>();      ///< sum q_j r_j
   float error = 0;                            ///< root mean square of r_j [intensity]
 
-  /// The samples around `centre` [px of the level].
-  void capture(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& centre) {
-    valid = patch_inside(image, centre, bordered_size);
+  /// The samples around `center` [px of the level].
+  void capture(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& center) {
+    valid = patch_inside(image, center, bordered_size);
     if (!valid) return;
     Patch<bordered_size> bordered;
-    interpolate_patch<bordered_size>(image, centre, bordered);
+    interpolate_patch<bordered_size>(image, center, bordered);
     for (int y = 0; y < size; ++y) {
       for (int x = 0; x < size; ++x) intensity[y * size + x] = bordered[(y + 1) * bordered_size + x + 1];
     }
     set_gradients(bordered);
   }
 
-  /// Residuals (1) around `centre` of the current image, and their sums. `forward`: gradients are the current image's.
-  void compare(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& centre, float gain, float bias,
+  /// Residuals (1) around `center` of the current image, and their sums. `forward`: gradients are the current image's.
+  void compare(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& center, float gain, float bias,
                bool forward) {
-    visible = patch_inside(image, centre, bordered_size);
+    visible = patch_inside(image, center, bordered_size);
     if (!visible) return;
     Vec<float, samples> r;
     if (forward) {
       Patch<bordered_size> bordered;
-      interpolate_patch<bordered_size>(image, centre, bordered);
+      interpolate_patch<bordered_size>(image, center, bordered);
       for (int y = 0; y < size; ++y) {
         for (int x = 0; x < size; ++x) r[y * size + x] = bordered[(y + 1) * bordered_size + x + 1];
       }
       set_gradients(bordered);
     } else {
-      interpolate_patch<size>(image, centre, r);
+      interpolate_patch<size>(image, center, r);
     }
     r -= (1 + gain) * intensity;
     r.array() -= bias;

@@ -5,7 +5,7 @@
 ///   score = smallest eigenvalue of  1/49 sum g g^T  over 7x7 pixels,  g = central differences  [intensity^2/px^2] (11)
 /// Each grid cell without a feature gives at most its best corner that keeps half a cell of distance to all features.
 /// A cell where the high threshold finds none is searched again with the low one, and where that finds none either
-/// (nearly white walls) the best-scored pixel of the cell stands in, so that only noise (`min_score`) is left out.
+/// (nearly white walls) the best-scored pixel of the cell is taken, so that only noise (`min_score`) is left out.
 
 #include <algorithm>
 #include <array>

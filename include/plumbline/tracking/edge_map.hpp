@@ -34,7 +34,7 @@ class EdgeMap : public EdgeQueries<EdgeMap<MaxPixels>> {
   using Queries::border;
   using Queries::units;
 
-  /// The threshold of the strength is a slope [intensity/px]. False when the image is empty, has more than MaxPixels
+  /// The threshold of the strength is a gradient [intensity/px]. False when the image is empty, has more than MaxPixels
   /// pixels or is too small to have an inside.
   bool compute(const ImageView<const std::uint8_t>& image, float min_slope) {
     const int threshold = static_cast<int>(min_slope * units);
@@ -107,9 +107,9 @@ class EdgeMap : public EdgeQueries<EdgeMap<MaxPixels>> {
   void compute_block(const ImageView<const std::uint8_t>& image, int x, int y, auto n, int threshold) {
     std::int16_t smooth[block + 4], slope[block + 4];  // of the columns
     const std::ptrdiff_t stride = image.stride;
-    const std::uint8_t* const centre = image.data + y * stride + x - 2;
+    const std::uint8_t* const center = image.data + y * stride + x - 2;
     const auto column = [&](int k) {
-      const std::uint8_t* const p = centre + k;
+      const std::uint8_t* const p = center + k;
       const int a = p[-2 * stride], b = p[-stride], c = p[0], d = p[stride], e = p[2 * stride];
       smooth[k] = static_cast<std::int16_t>(a + e + 4 * (b + d) + 6 * c);
       slope[k] = static_cast<std::int16_t>(e - a + 2 * (d - b));

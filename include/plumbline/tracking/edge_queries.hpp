@@ -1,9 +1,9 @@
 #pragma once
-/// What is asked of an image's gradients at single places: slopes along a normal, and where an edge peaks.
+/// Queries of image gradients at single pixels: derivative along a normal, and the peak of an edge.
 ///                                                                                          docs/math/line.md
-/// `Gradients` is EdgeMap, which holds those of the whole image, or EdgeGradients, which computes the few that are asked
-/// for; both give the same numbers. It has gradient(x, y), (18) inside of a border and zero on it, and
-/// gradient_inside(x, y) for those who know that it is inside.
+/// `Gradients` is EdgeMap, which holds those of the whole image, or EdgeGradients, which computes the few that are
+/// requested; both give the same numbers. It has gradient(x, y), (18) inside of a border and zero on it, and
+/// gradient_inside(x, y) for callers that ensure that it is inside.
 
 #include <algorithm>
 #include <cmath>
@@ -45,8 +45,8 @@ class EdgeQueries {
            uv.y() < static_cast<float>(height_ - border) - 0.5f;
   }
 
-  /// Slope along the unit normal at the nearest pixel [intensity/px], 0 where the gradient is more than 22.5 degrees
-  /// off the normal, and outside.
+  /// Derivative along the unit normal at the nearest pixel [intensity/px], 0 where the gradient is more than 22.5
+  /// degrees off the normal, and outside.
   float aligned_slope(const Vec<float, 2>& uv, const Vec<float, 2>& normal) const {
     return contains(uv) ? slope_inside(uv, normal) : 0.0f;
   }
@@ -71,8 +71,8 @@ class EdgeQueries {
     float shift = 0;
     if (curvature > 0)
       shift = std::clamp(0.5f * static_cast<float>(after - before) / static_cast<float>(curvature), -1.0f, 1.0f);
-    const Vec<float, 2> centre(pixel.x, pixel.y);
-    return centre + (steep ? Vec<float, 2>(shift, 0) : Vec<float, 2>(0, shift));
+    const Vec<float, 2> center(pixel.x, pixel.y);
+    return center + (steep ? Vec<float, 2>(shift, 0) : Vec<float, 2>(0, shift));
   }
 
  protected:

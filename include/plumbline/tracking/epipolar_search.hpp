@@ -3,7 +3,7 @@
 ///                                                                                          docs/math/direct.md
 ///   P(lambda) = R b + lambda t,   u(lambda) = pi(P),   du/dlambda = J_pi(P) t,   lambda = 1/range             (15)
 ///   D(u) = 1/n sum_j (I(u + D_j) - mean I - T_j + mean T)^2,   T the warped reference                         (16)
-/// The curve is walked from the expected lambda towards both ends in even steps of the image, with the camera's own
+/// The curve is walked from the expected lambda toward both ends in even steps of the image, with the camera's own
 /// projection: no camera has to draw it straight. The place with the least D is aligned, where it is clearly like the
 /// reference and no place away from it is nearly as good.
 

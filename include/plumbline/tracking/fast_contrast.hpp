@@ -4,7 +4,7 @@
 /// 9 contiguous pixels of the 16 on a circle of radius 3 are all brighter than I + t or all darker than I - t. The
 /// contrast is the least t that a pixel does not pass:
 ///   max(max_arcs min_arc I_i - I, I - min_arcs max_arc I_i)
-/// Two arcs that are neighbours share 8 pixels; 8 such pairs are all arcs. Bytes, no branches.
+/// Two arcs that are neighbors share 8 pixels; 8 such pairs are all arcs. Bytes, no branches.
 
 #include <array>
 #include <cstddef>
@@ -76,10 +76,10 @@ class FastContrast {
     return out;
   }
 
-  /// By how much the brighter ones are above `centre`, or the darker ones below.
-  EIGEN_ALWAYS_INLINE static std::uint8_t excess(std::uint8_t brighter, std::uint8_t darker, std::uint8_t centre) {
-    const std::uint8_t above = static_cast<std::uint8_t>(Greater{}(brighter, centre) - centre);
-    return Greater{}(above, static_cast<std::uint8_t>(centre - Less{}(darker, centre)));
+  /// By how much the brighter ones are above `center`, or the darker ones below.
+  EIGEN_ALWAYS_INLINE static std::uint8_t excess(std::uint8_t brighter, std::uint8_t darker, std::uint8_t center) {
+    const std::uint8_t above = static_cast<std::uint8_t>(Greater{}(brighter, center) - center);
+    return Greater{}(above, static_cast<std::uint8_t>(center - Less{}(darker, center)));
   }
   /// The best of all arcs by the worst of their pixels. A fold and no loops: what surrounds it becomes vectors.
   template <class Worse, class Better, std::size_t... k>

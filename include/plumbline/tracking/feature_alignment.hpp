@@ -105,7 +105,7 @@ bool warp_template(const ReferencePatch& reference, const Mat<float, 2, 2>& A_cu
   for (int m = 0; m < reference.levels(); ++m, A_step *= 0.5f) {
     const float step_det = A_step(0, 0) * A_step(1, 1) - A_step(0, 1) * A_step(1, 0);
     if (step_det > max_step_det && m + 1 < reference.levels()) continue;
-    if (interpolate_warped_patch<PatchSize>(reference.level(m), reference.centre(m), A_step, out)) return true;
+    if (interpolate_warped_patch<PatchSize>(reference.level(m), reference.center(m), A_step, out)) return true;
   }
   return false;
 }

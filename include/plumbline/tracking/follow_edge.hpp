@@ -1,8 +1,8 @@
 #pragma once
-/// Going on along a straight edge from its end, while the gradient agrees with it.          docs/math/line.md
+/// Extension of a straight edge from its end, while the gradient is consistent with it.     docs/math/line.md
 ///
-/// Each step of 1 px needs a slope along the normal that is larger than those 2 px to both sides, with its peak near
-/// the line. What is found joins the line's moments, and the line is fitted anew every few pixels: it steers.
+/// Each step of 1 px needs a derivative along the normal that is larger than those 2 px to both sides, with its peak
+/// near the line. The peak is added to the line's moments, and the line is fitted again every few pixels.
 
 #include <cmath>
 #include <cstdint>

@@ -149,7 +149,7 @@ class ImageAligner {
     if (!(cost <= cost_of(first, false))) out = first;
   }
 
-  /// Iterates from `out`; false when too few patches are seen or they do not tell the motion.
+  /// Iterates from `out`; false when too few patches are seen or they do not determine the motion.
   bool iterate(const ImageView<const std::uint8_t>& image, int level, bool forward, int max_iterations,
                const IncrementPrior<S>& prior, ImageAlignment<S>& out) {
     ImageAlignment<S> now = out;
@@ -223,15 +223,15 @@ class ImageAligner {
       ++system.patches;
     }
     if (prior.valid) {
-      const auto believed = prior.linearize(now.T_cur_prev);
+      const auto prior_rows = prior.linearize(now.T_cur_prev);
       for (int j = 0; j < 6; ++j) {
         for (int k = 0; k < 6; ++k) {
-          for (int i = 0; i <= j; ++i) system.H(i, j) += believed.J(k, i) * believed.J(k, j);
-          system.b[j] += believed.J(k, j) * believed.r[k];
+          for (int i = 0; i <= j; ++i) system.H(i, j) += prior_rows.J(k, i) * prior_rows.J(k, j);
+          system.b[j] += prior_rows.J(k, j) * prior_rows.r[k];
         }
       }
       const S pixels = S(options_.independent * float(AlignmentPatch::samples));
-      system.cost += squared_norm(believed.r) / pixels;
+      system.cost += squared_norm(prior_rows.r) / pixels;
     }
     for (int k = 6; k < dim; ++k) system.H(k, k) += brightness_information(k);
     for (int j = 0; j < dim; ++j) {
@@ -239,7 +239,7 @@ class ImageAligner {
     }
     if (system.patches > 0) system.cost /= S(system.patches);
   }
-  /// A frame without contrast tells gain and bias apart no more: both are near zero, then.
+  /// In a frame without contrast gain and bias cannot be separated: both are near zero, then.
   static S brightness_information(int k) {
     constexpr S sigma_gain = S(1), sigma_bias = S(50);
     return k == 6 ? 1 / (sigma_gain * sigma_gain) : 1 / (sigma_bias * sigma_bias);

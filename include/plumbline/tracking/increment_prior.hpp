@@ -1,5 +1,5 @@
 #pragma once
-/// What is believed of the motion of the body between two frames before their images are compared.  docs/math/direct.md
+/// Prior of the motion of the body between two frames, before their images are aligned.            docs/math/direct.md
 ///
 ///   T = T_cur_prev maps the previous body's coordinates into the current one's
 ///   r_R = Log(R~^T R),   dr_R/d dphi = Jr^-1(r_R)                                                             (4)
@@ -23,7 +23,7 @@ struct IncrementPrior {
     Mat<S, 6, 6> J;  ///< by [dphi, dp] of T
   };
 
-  bool valid = false;                                                         ///< false: nothing is believed
+  bool valid = false;                                                         ///< false: no prior
   SE3<S> T_cur_prev;                                                          ///< (R~, p~)
   Mat<S, 3, 3> L_rotation = zeros<S, 3, 3>(), L_position = zeros<S, 3, 3>();  ///< L^T L = Sigma^-1
 

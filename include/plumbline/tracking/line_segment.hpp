@@ -17,12 +17,12 @@ namespace plumbline {
 struct LineSegment {
   Vec<float, 2> start = zeros<float, 2>();  ///< [px]
   Vec<float, 2> end = zeros<float, 2>();    ///< [px]
-  float gradient = 0;                       ///< mean slope across the edge [intensity/px]
+  float gradient = 0;                       ///< mean gradient across the edge [intensity/px]
 
   float length() const { return norm(end - start); }                   ///< [px]
-  Vec<float, 2> centre() const { return 0.5f * (start + end); }        ///< [px]
+  Vec<float, 2> center() const { return 0.5f * (start + end); }        ///< [px]
   Vec<float, 2> direction() const { return normalized(end - start); }  ///< unit
-  Vec<float, 2> normal() const {                                       ///< unit, towards the brighter side
+  Vec<float, 2> normal() const {                                       ///< unit, toward the brighter side
     const Vec<float, 2> d = direction();
     return {-d.y(), d.x()};
   }
@@ -55,11 +55,11 @@ inline bool are_one(const LineSegment& a, const LineSegment& b, const MergeOptio
 /// Both as one: the line through the mass of both, as long as both together.
 inline LineSegment merged(const LineSegment& a, const LineSegment& b) {
   const float wa = a.length(), wb = b.length();
-  const Vec<float, 2> mean = (wa * a.centre() + wb * b.centre()) / (wa + wb);
+  const Vec<float, 2> mean = (wa * a.center() + wb * b.center()) / (wa + wb);
   // Second moments of two uniform segments about the common mean.
   Mat<float, 2, 2> M = zeros<float, 2, 2>();
   for (const LineSegment* s : {&a, &b}) {
-    const Vec<float, 2> c = s->centre() - mean, h = 0.5f * (s->end - s->start);
+    const Vec<float, 2> c = s->center() - mean, h = 0.5f * (s->end - s->start);
     M += s->length() * (c * c.transpose() + h * h.transpose() / 3.0f);
   }
   const float angle = 0.5f * std::atan2(2 * M(0, 1), M(0, 0) - M(1, 1));

@@ -25,7 +25,7 @@ namespace plumbline {
 
 struct LineDetectorOptions {
   float min_length_px = 25.0f;
-  float min_gradient = 1.6f;     ///< slope of the weakest edge [intensity/px]: above the camera's noise
+  float min_gradient = 1.6f;     ///< gradient of the weakest edge [intensity/px]: above the camera's noise
   float max_rms_px = 0.5f;       ///< of the pixels of a run about its line
   float max_distance_px = 1.2f;  ///< of a pixel that still belongs to a run
   int max_misses = 4;            ///< pixels in a row that a run may lose
@@ -50,7 +50,7 @@ class LineSegmentDetector {
       if (segment.length() < options.min_length_px || !out.push_back(segment)) break;
     }
   }
-  /// The same as a LineDetector: the map says all about the image.
+  /// The same as a LineDetector: the map has all that is used of the image.
   template <std::size_t MaxPixels, std::size_t N>
   void detect(const ImageView<const std::uint8_t>&, EdgeMap<MaxPixels>& edges, const LineDetectorOptions& options,
               FixedVector<LineSegment, N>& out) {

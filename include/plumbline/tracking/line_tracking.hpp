@@ -1,11 +1,11 @@
 #pragma once
 /// A straight edge followed from frame to frame without descriptors.                        docs/math/line.md
 ///
-/// At samples along the predicted segment the edges of the same polarity and a similar slope are looked for on the
-/// normal. They vote for a line
-///   offset(t) = a + b t   along the prediction,  score = sum of slope similarities (1 - 0.3 |a| / search)   (20)
+/// At samples along the predicted segment the edges of the same polarity and a similar gradient are looked for on the
+/// normal. Their consensus is a line
+///   offset(t) = a + b t   along the prediction,  score = sum of gradient similarities (1 - 0.3 |a| / search)   (20)
 /// over pairs of them. The winner is fitted to the sub-pixel peaks and cut to what is supported without a large gap:
-/// where an occlusion splits an edge the longer part goes on. Then it is followed on at both ends, and its profile
+/// where an occlusion splits an edge the longer part continues. Then it is extended at both ends, and its profile
 /// across must resemble the one before (the check that a search backwards would be). Two tracks that overlap on one
 /// edge are one: `mark_duplicates`. The work of one segment is bounded.
 
@@ -29,7 +29,7 @@ namespace plumbline {
 struct LineTrackingOptions {
   float search_px = 16.0f;       ///< along the normal to both sides; at most 60
   float max_angle_rad = 0.35f;   ///< between prediction and result
-  float max_slope_ratio = 2.5f;  ///< of an edge's slope to the segment's, either way
+  float max_slope_ratio = 2.5f;  ///< of an edge's gradient to the segment's, either way
   float max_distance_px = 1.2f;  ///< of a peak to the line it belongs to
   float max_rms_px = 0.6f;       ///< of all peaks
   float min_length_px = 20.0f;   ///< of what is found
@@ -49,7 +49,7 @@ struct TrackedLine {
 
 class LineTracker {
  public:
-  /// Finds the segment whose profile in its last image was `profile` near `guess`, which has the segment's slope.
+  /// Finds the segment whose profile in its last image was `profile` near `guess`, which has the segment's gradient.
   template <class Edges>
   TrackedLine track(const Edges& edges, const ImageView<const std::uint8_t>& image, const LineProfile& profile,
                     const LineSegment& guess, const LineTrackingOptions& options) {
@@ -57,7 +57,7 @@ class LineTracker {
     length_ = guess.length();
     if (!(length_ > 1.0f && length_ < max_length_px && guess.gradient > 0)) return out;  // false for NaN too
     sample(edges, guess, options);
-    const Offset offset = vote(options);
+    const Offset offset = find_offset(options);
     if (!(offset.score > 0)) return out;
     if (!fit(edges, guess, offset, options, out)) return out;
     out.profile = profile_of(image, out.segment);
@@ -74,8 +74,8 @@ class LineTracker {
   /// An edge on the normal through a sample.
   struct Candidate {
     int sample;
-    float along, offset;  ///< in the prediction's axes, from its centre [px]
-    float weight;         ///< similarity of its slope, at most 1
+    float along, offset;  ///< in the prediction's axes, from its center [px]
+    float weight;         ///< similarity of its gradient, at most 1
     Vec<float, 2> peak;   ///< [px]
   };
   /// (20)
@@ -89,13 +89,13 @@ class LineTracker {
   template <class Edges>
   void sample(const Edges& edges, const LineSegment& guess, const LineTrackingOptions& options) {
     candidates_.clear();
-    const Vec<float, 2> centre = guess.centre(), direction = guess.direction(), normal = guess.normal();
+    const Vec<float, 2> center = guess.center(), direction = guess.direction(), normal = guess.normal();
     samples_ = std::clamp(static_cast<int>(length_ / min_spacing_px), 6, max_samples);
     const float lowest = guess.gradient / options.max_slope_ratio, highest = guess.gradient * options.max_slope_ratio;
     const int range = std::clamp(static_cast<int>(options.search_px), 1, max_search_px);
     for (int k = 0; k < samples_; ++k) {
       const float along = length_ * ((static_cast<float>(k) + 0.5f) / static_cast<float>(samples_) - 0.5f);
-      const Vec<float, 2> at = centre + along * direction;
+      const Vec<float, 2> at = center + along * direction;
       inside_[static_cast<std::size_t>(k)] = edges.contains(at);
       edges.aligned_slopes(at, normal, range + 1, slopes_.data());
       int found = 0;
@@ -106,27 +106,27 @@ class LineTracker {
         if (!(lowest < here && here < highest && slope[-1] < here && slope[1] <= here)) continue;
         const float weight = std::min(here / guess.gradient, guess.gradient / here);
         const Vec<float, 2> peak = edges.peak(nearest_pixel(at + static_cast<float>(j) * normal));
-        candidates_.push_back({k, dot(direction, peak - centre), dot(normal, peak - centre), weight, peak});
+        candidates_.push_back({k, dot(direction, peak - center), dot(normal, peak - center), weight, peak});
         ++found;
       }
     }
   }
 
   /// The best line through two candidates, by (20).
-  Offset vote(const LineTrackingOptions& options) const {
-    constexpr std::size_t max_voters = 12;  // at most 66 pairs
+  Offset find_offset(const LineTrackingOptions& options) const {
+    constexpr std::size_t max_candidates = 12;  // at most 66 pairs
     Offset best;
     if (candidates_.empty()) return best;
-    const std::size_t n = std::min(candidates_.size(), max_voters);
-    const auto voter = [&](std::size_t i) -> const Candidate& { return candidates_[i * candidates_.size() / n]; };
+    const std::size_t n = std::min(candidates_.size(), max_candidates);
+    const auto sample = [&](std::size_t i) -> const Candidate& { return candidates_[i * candidates_.size() / n]; };
     const float steepest = std::tan(options.max_angle_rad);
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t j = i + 1; j < n; ++j) {
-        const float along = voter(j).along - voter(i).along;
+        const float along = sample(j).along - sample(i).along;
         if (!(along > 0.3f * length_)) continue;
         Offset line;
-        line.b = (voter(j).offset - voter(i).offset) / along;
-        line.a = voter(i).offset - line.b * voter(i).along;
+        line.b = (sample(j).offset - sample(i).offset) / along;
+        line.a = sample(i).offset - line.b * sample(i).along;
         if (!(std::abs(line.b) < steepest && std::abs(line.a) <= options.search_px)) continue;
         int last = -1;
         for (const Candidate& c : candidates_) {
@@ -145,7 +145,7 @@ class LineTracker {
   template <class Edges>
   bool fit(const Edges& edges, const LineSegment& guess, const Offset& offset, const LineTrackingOptions& options,
            TrackedLine& out) {
-    const Vec<float, 2> origin = guess.centre();
+    const Vec<float, 2> origin = guess.center();
     FittedLine line;
     line.direction = normalized(guess.direction() + offset.b * guess.normal());
     line.mean = offset.a * guess.normal();

@@ -42,8 +42,8 @@ FlowResult track_point_levels(const Pyr& previous, const Pyr& current, const Vec
   if (!patch_inside(previous.level(0), uv_previous, Template::bordered_size)) return out;
   for (int l = levels - 1; l >= 0; --l) {
     const ImageView<const std::uint8_t> reference = previous.level(l), image = current.level(l);
-    const Vec<float, 2> centre = to_level(uv_previous, l);
-    interpolate_patch<Template::bordered_size>(reference, centre, bordered);
+    const Vec<float, 2> center = to_level(uv_previous, l);
+    interpolate_patch<Template::bordered_size>(reference, center, bordered);
     patch.set(bordered);
     if (!(patch.min_eigenvalue() > options.min_eigenvalue)) continue;
     const PatchSearch bounds{options.max_iterations, l == 0 ? options.epsilon_px : options.coarse_epsilon_px,

@@ -5,7 +5,7 @@
 ///   J = P grad T,  P = 1 - Q Q^T,    Q orthonormal basis of span{T, 1}: eliminates a and b exactly             (4)
 ///   u <- u - (J^T J)^-1 J^T I / a,   a = Tc . I / Tc . Tc,  Tc = T - mean(T)                                   (5)
 /// J and J^T J are constant; one iteration is one interpolated patch and five dot products. Where T has no contrast the
-/// gain cannot be told from the bias: then Q = 1 / sqrt(n), a = 1 and J^T (I - T) takes the place of J^T I.
+/// gain cannot be separated from the bias: then Q = 1 / sqrt(n), a = 1 and J^T (I - T) takes the place of J^T I.
 
 #include <algorithm>
 #include <cmath>
@@ -22,11 +22,11 @@ namespace plumbline {
 struct PatchSearch {
   int max_iterations = 10;
   float epsilon_px = 0.01f;  ///< converged when a step is shorter [px of the level]
-  float max_move_px = 4.0f;  ///< given up farther from the start [px of the level]
+  float max_move_px = 4.0f;  ///< rejected farther from the start [px of the level]
 };
 
 struct PatchMatch {
-  bool valid;        ///< centre in the image, within max_move_px and converged
+  bool valid;        ///< center in the image, within max_move_px and converged
   Vec<float, 2> uv;  ///< [px of the level]
   float gain;        ///< a of (3)
   float rms;         ///< of I - a T - b over the patch [intensity]
@@ -102,7 +102,7 @@ class PatchTemplate {
 
   static constexpr float samples = Size * Size;
   static constexpr float min_variance = 1.0f;               // contrast of quantization noise [intensity^2]
-  static constexpr float min_gain = 0.5f, max_gain = 2.0f;  // of a step; the caller judges the final gain
+  static constexpr float min_gain = 0.5f, max_gain = 2.0f;  // of a step; the caller checks the final gain
 
   /// Steps u <- u - step_matrix J^T I / a.                                                                       (5)
   PatchMatch iterate(const ImageView<const std::uint8_t>& image, const Vec<float, 2>& start,

@@ -31,7 +31,7 @@ class ReferencePatch {
       const int x0 = static_cast<int>(uv_level.x() + 1.0f) - size / 2,
                 y0 = static_cast<int>(uv_level.y() + 1.0f) - size / 2;
       copy_pixels(pyramid.level(l), x0, y0, size, pixels_[l].data());
-      centres_[l] = uv_level - Vec<float, 2>(static_cast<float>(x0), static_cast<float>(y0));
+      centers_[l] = uv_level - Vec<float, 2>(static_cast<float>(x0), static_cast<float>(y0));
       ++levels_;
     }
     return true;
@@ -45,14 +45,14 @@ class ReferencePatch {
   }
 
   /// The feature in the pixels of `level(l)`.
-  const Vec<float, 2>& centre(int l) const {
+  const Vec<float, 2>& center(int l) const {
     PLUMBLINE_ASSERT(l >= 0 && l < levels_);
-    return centres_[l];
+    return centers_[l];
   }
 
  private:
   std::array<std::array<std::uint8_t, size * size>, max_levels> pixels_{};
-  std::array<Vec<float, 2>, max_levels> centres_{zeros<float, 2>(), zeros<float, 2>(), zeros<float, 2>()};
+  std::array<Vec<float, 2>, max_levels> centers_{zeros<float, 2>(), zeros<float, 2>(), zeros<float, 2>()};
   int levels_ = 0;
 };
 

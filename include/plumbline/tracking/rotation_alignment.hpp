@@ -6,7 +6,7 @@
 ///   R <- R Exp(dphi)
 /// On an image of about 40 x 30 pixels a motion of 40 px is one of 2.5 px: it gives optical flow a start where neither
 /// gyroscope nor constant velocity can (the first frames, hands that shake). Of translation a guess is taken, q, as if
-/// all were equally far; near things are outvoted by a robust weight.
+/// all were equally far; near things are rejected_by_consensus by a robust weight.
 
 #include <array>
 #include <cmath>

@@ -1,5 +1,5 @@
 #pragma once
-/// How the surface around a point slants away from the camera that saw it first, found out while its pixels are
+/// How the surface around a point slants away from the camera that saw it first, estimated while its pixels are
 /// followed: no sensor of depth is needed.                                                    docs/math/tracking.md
 ///
 ///   lambda(u_r + d) = lambda (1 + a^T d)                  inverse range over the reference's pixels             (6)
@@ -7,7 +7,7 @@
 ///   H = g^2 S^T P S,   h = g S^T P I                      P: free of 1, T and grad T: bias, gain g, position    (9b)
 ///   Lambda <- Lambda + H / s^2,   a <- a + (Lambda + Lambda_0)^-1 h / s^2,   Lambda_0 = (f / t_0)^2             (9c)
 /// s: noise of a pixel; f [px]; t_0: tangent of the angle between normal and bearing that is expected. Views from far
-/// aside tell most, since e grows with the parallax.
+/// aside have the most information, since e grows with the parallax.
 
 #include <algorithm>
 #include <array>
@@ -29,7 +29,7 @@ struct SlantOptions {
   float max_rms = 20;          ///< of the intensities that no slant explains
 };
 
-/// What one view says of a change da of the slant: H da = h.                                                    (9b)
+/// The equation of one view for a change da of the slant: H da = h.                                             (9b)
 struct SlantEquations {
   bool valid = false;
   Mat<float, 2, 2> H = zeros<float, 2, 2>();  ///< [intensity^2 px^2]
