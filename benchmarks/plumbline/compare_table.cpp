@@ -10,6 +10,7 @@
 
 #include "format.hpp"
 #include "statistics.hpp"
+#include "table_cells.hpp"
 
 using nlohmann::json;
 
@@ -19,9 +20,11 @@ namespace {
 struct Summary {
   std::size_t runs = 0, failed = 0;
   std::string alignment;
-  std::vector<double> ate_m;     ///< infinite of a failed run
-  std::vector<double> coverage;  ///< zero of a failed run
-  std::vector<double> ms;        ///< of the processor, medians of the runs that had frames
+  std::vector<double> ate_m;                              ///< infinite of a failed run
+  std::vector<double> coverage;                           ///< zero of a failed run
+  std::vector<double> rpe_m, rpe_deg;                     ///< within a second, of the runs that have it
+  std::vector<double> ms;                                 ///< of the processor, medians of the runs that had frames
+  std::vector<double> wall_ms, wall_p99_ms, wall_max_ms;  ///< medians, 99th percentiles and longest, of the same runs
 
   double median_ate_m() const { return median(ate_m); }
   double worst_ate_m() const { return *std::max_element(ate_m.begin(), ate_m.end()); }
@@ -38,28 +41,23 @@ Summary summary_of(const json& comparison, const json& configuration, const json
     out.alignment = run.at("alignment").get<std::string>();
     out.ate_m.push_back(is_ok ? run.at("ate").at("rmse").get<double>() : std::numeric_limits<double>::infinity());
     out.coverage.push_back(is_ok ? run.at("coverage").get<double>() : 0);
+    const auto add = [](std::vector<double>& values, const json& object, const char* member) {
+      if (object.is_object() && !object.at(member).is_null()) values.push_back(object.at(member).get<double>());
+    };
+    add(out.rpe_m, run.at("rpe_1s"), "translation_rmse");
+    add(out.rpe_deg, run.at("rpe_1s"), "rotation_rmse_deg");
     const json& times = run.at("time_ms");
-    if (!times.is_null() && !times.at("cpu_median").is_null()) out.ms.push_back(times.at("cpu_median").get<double>());
+    add(out.ms, times, "cpu_median");
+    add(out.wall_ms, times, "median");
+    add(out.wall_p99_ms, times, "p99");
+    add(out.wall_max_ms, times, "max");
   }
   return out;
 }
 
-/// Three digits, at most a tenth of a millimetre.
-std::string metres(double value) {
-  if (std::isinf(value)) return "failed";
-  return format("%.*f m", value < 0.1 ? 4 : value < 1 ? 3 : value < 100 ? 2 : 0, value);
-}
-
-std::string percent(double share) { return format("%.0f %%", std::floor(100 * share)); }
-
-std::string milliseconds(const std::vector<double>& ms) { return ms.empty() ? "-" : format("%.1f", median(ms)); }
-
-std::string text_of_machine(const json& machine, const json& processes) {
+std::string text_of_machine_and_processes(const json& machine, const json& processes) {
   const auto runs = processes.get<std::size_t>();
-  return format("%s, %zu cores, %.1f GiB, %s, %s, %s, plumbline %s; ", machine.at("cpu").get<std::string>().c_str(),
-                machine.at("cores").get<std::size_t>(), machine.at("memory_gib").get<double>(),
-                machine.at("os").get<std::string>().c_str(), machine.at("compiler").get<std::string>().c_str(),
-                machine.at("build").get<std::string>().c_str(), machine.at("plumbline").get<std::string>().c_str()) +
+  return text_of_machine(machine) + "; " +
          (runs == 1 ? "one run at a time" : format("up to %zu runs side by side", runs));
 }
 
@@ -67,42 +65,51 @@ std::string text_of_machine(const json& machine, const json& processes) {
 std::string text_of_machines(const json& comparison) {
   std::set<std::string> texts;
   for (const json& run : comparison.at("runs"))
-    texts.insert(text_of_machine(run.value("machine", comparison.at("machine")),
-                                 run.value("processes", comparison.at("processes"))));
+    texts.insert(text_of_machine_and_processes(run.value("machine", comparison.at("machine")),
+                                               run.value("processes", comparison.at("processes"))));
   std::string out;
   for (const std::string& text : texts) out += (out.empty() ? "" : "; and ") + text;
   return out;
 }
 
-std::string text_of_starts(const json& comparison) {
+std::string text_of_runs(const json& comparison) {
   std::size_t most = 0;
   for (const json& run : comparison.at("runs")) most = std::max(most, run.at("repeat").get<std::size_t>() + 1);
-  return most == 1 ? "one start" : format("%zu starts one frame apart", most);
+  return most == 1 ? "one run" : format("%zu runs that begin one frame apart", most);
 }
 
-/// Lines of at most 120 columns.
-std::string wrapped(const std::string& text) {
-  std::istringstream words(text);
-  std::string out, word;
-  for (std::size_t column = 0; words >> word; column += word.size() + 1) {
-    if (column + word.size() > 120) {
-      out.back() = '\n';
-      column = 0;
-    }
-    out += word + " ";
-  }
-  out.back() = '\n';
-  return out;
-}
+constexpr const char* alignments = "(se3: rigid, posyaw: position and heading, sim3: with scale)";
 
 std::string legend_of(const json& comparison) {
-  return "ATE: root mean square of the position error after alignment (se3: rigid, posyaw: position and heading, sim3: "
-         "with scale), median and worst of " +
-         text_of_starts(comparison) +
+  return std::string("ATE: root mean square of the position error after alignment ") + alignments +
+         ", median and worst of " + text_of_runs(comparison) +
          ", of causal poses: each is the one published with its frame. Coverage: frames with such a pose, of those "
-         "with "
-         "truth; the lowest of the starts. ms: of the processor, median of the frames. " +
+         "with truth; the lowest of the runs. ms: of the processor, median of the frames. " +
          text_of_machines(comparison) + ".";
+}
+
+void print_heading(std::ostream& out, const json& dataset) {
+  out << format("`%s`: %zu frames, %.1f s, %d x %d pixels.\n\n", dataset.at("name").get<std::string>().c_str(),
+                dataset.at("frames").get<std::size_t>(), dataset.at("duration_s").get<double>(),
+                dataset.at("width").get<int>(), dataset.at("height").get<int>());
+}
+
+/// A table for each data set whose rows are those of `row_of`, of a summary that has runs.
+template <class RowOf>
+void print_rows(std::ostream& out, const json& comparison, const char* columns, const RowOf& row_of) {
+  for (const json& dataset : comparison.at("datasets")) {
+    std::string rows;
+    for (const json& configuration : comparison.at("configurations")) {
+      const Summary summary = summary_of(comparison, configuration, dataset);
+      if (summary.runs > 0)
+        rows += "| `" + configuration.at("name").get<std::string>() + "` | " + row_of(summary) + " |\n";
+    }
+    if (rows.empty()) continue;
+    print_heading(out, dataset);
+    out << "| configuration |" << columns << " |\n| --- |";
+    for (const char* c = columns; *c != 0; ++c) out << (c == columns || *c == '|' ? " --- |" : "");
+    out << '\n' << rows << '\n';
+  }
 }
 
 }  // namespace
@@ -117,8 +124,8 @@ void print_table(std::ostream& out, const json& comparison) {
       const Summary summary = summary_of(comparison, configuration, dataset);
       if (summary.runs == 0) continue;
       out << format("  %-40s %-9s %10s %10s %8s %7s %6s\n", configuration.at("name").get<std::string>().c_str(),
-                    summary.alignment.c_str(), metres(summary.median_ate_m()).c_str(),
-                    metres(summary.worst_ate_m()).c_str(), percent(summary.lowest_coverage()).c_str(),
+                    summary.alignment.c_str(), meters(summary.median_ate_m()).c_str(),
+                    meters(summary.worst_ate_m()).c_str(), percent(summary.lowest_coverage()).c_str(),
                     format("%zu of %zu", summary.failed, summary.runs).c_str(), milliseconds(summary.ms).c_str());
     }
     out << '\n';
@@ -138,7 +145,7 @@ void print_markdown(std::ostream& out, const json& comparison) {
       const Summary summary = summary_of(comparison, configuration, dataset);
       if (summary.runs > 0) {
         alignment = summary.alignment;
-        cells += " " + metres(summary.median_ate_m()) + ", worst " + metres(summary.worst_ate_m()) + ", " +
+        cells += " " + meters(summary.median_ate_m()) + ", worst " + meters(summary.worst_ate_m()) + ", " +
                  percent(summary.lowest_coverage()) + ", " + milliseconds(summary.ms) + " ms";
         if (summary.failed > 0) cells += format(", %zu of %zu failed", summary.failed, summary.runs);
       }
@@ -148,4 +155,31 @@ void print_markdown(std::ostream& out, const json& comparison) {
       out << "| `" << configuration.at("name").get<std::string>() << "` | " << alignment << " |" << cells << '\n';
   }
   out << '\n' << wrapped("Each cell: ATE median and worst, coverage, time of a frame. " + legend_of(comparison));
+}
+
+void print_accuracy(std::ostream& out, const json& comparison) {
+  print_rows(out, comparison, " alignment | ATE median | ATE worst | RPE 1 s | coverage | failed runs",
+             [](const Summary& s) {
+               const std::string rpe =
+                   s.rpe_m.empty() ? "-" : meters(median(s.rpe_m)) + ", " + format("%.2f deg", median(s.rpe_deg));
+               return s.alignment + " | " + meters(s.median_ate_m()) + " | " + meters(s.worst_ate_m()) + " | " + rpe +
+                      " | " + percent(s.lowest_coverage()) + " | " + format("%zu of %zu", s.failed, s.runs);
+             });
+  out << wrapped(std::string("ATE: root mean square of the position error after alignment ") + alignments +
+                 ", median and worst of " + text_of_runs(comparison) +
+                 ". RPE: root mean square of the error of the motion within one second, translation and rotation, "
+                 "median of the runs. Coverage: frames with a pose, of those with truth; the lowest of the runs. A "
+                 "failed run counts as an infinite error and as no coverage.");
+}
+
+void print_timing(std::ostream& out, const json& comparison) {
+  print_rows(out, comparison, " CPU median | median | 99 % | longest", [](const Summary& s) {
+    const std::string longest =
+        s.wall_max_ms.empty() ? "-" : format("%.1f", *std::max_element(s.wall_max_ms.begin(), s.wall_max_ms.end()));
+    return milliseconds(s.ms) + " | " + milliseconds(s.wall_ms) + " | " + milliseconds(s.wall_p99_ms) + " | " + longest;
+  });
+  out << wrapped("Milliseconds of a frame in the estimator, without the reading of images, medians of " +
+                 text_of_runs(comparison) +
+                 "; longest: of all runs. CPU: time of the processor; the other columns are elapsed time. " +
+                 text_of_machines(comparison) + ".");
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// A comparison in figures: for each configuration on each data set what its runs came to.
+/// Tables of a comparison: for each configuration on each data set a summary of its runs.
 
 #include <ostream>
 
@@ -8,5 +8,11 @@
 /// For the terminal, a block for each data set.
 void print_table(std::ostream& out, const nlohmann::json& comparison);
 
-/// For a README, a column for each data set.
+/// For a README, a column for each data set: accuracy and time.
 void print_markdown(std::ostream& out, const nlohmann::json& comparison);
+
+/// A table for each data set, Markdown: ATE, relative error and coverage of each configuration.
+void print_accuracy(std::ostream& out, const nlohmann::json& comparison);
+
+/// A table for each data set, Markdown: the time that each configuration takes for a frame.
+void print_timing(std::ostream& out, const nlohmann::json& comparison);

@@ -2,18 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <cstdint>
 #include <functional>
-#include <optional>
+#include <iostream>
+#include <limits>
 #include <stdexcept>
 
 #include <opencv2/imgproc.hpp>
 
+#include "compare_json.hpp"
+#include "faults_table.hpp"
+#include "format.hpp"
 #include "nearest.hpp"
-#include "statistics.hpp"
 #include "trial.hpp"
 
 namespace pl = plumbline;
+using nlohmann::json;
 
 namespace {
 
@@ -25,7 +29,7 @@ cv::Mat noise_texture(const cv::Size& size) {
   return out;
 }
 
-/// Covers the left half with a texture that stands `shift_px` further left.
+/// Covers the left half with a texture that is shifted by `shift_px` to the left.
 void cover(Picture& picture, int shift_px) {
   const cv::Size half(picture.gray.cols / 2, picture.gray.rows);
   const cv::Mat texture = noise_texture({half.width + shift_px, half.height});
@@ -45,7 +49,7 @@ struct Interval {
 
 struct Fault {
   const char* name;
-  double duration_s;  ///< NaN: those asked for; infinite: to the end
+  double duration_s;  ///< NaN: those of the options; infinite: to the end
   std::function<Spoil(const Interval&)> make;
 };
 
@@ -55,14 +59,14 @@ Spoil of_pictures(const Interval& when, const std::function<bool(Picture&)>& spo
     return picture == nullptr || !when.has(picture->t_ns) || spoil(*picture);
   };
 }
-Spoil of_readings(const Interval& when, const std::function<bool(pl::ImuSample&)>& spoil) {
+Spoil of_imu_samples(const Interval& when, const std::function<bool(pl::ImuSample&)>& spoil) {
   return [=](Event& event) {
     pl::ImuSample* sample = std::get_if<pl::ImuSample>(&event);
     return sample == nullptr || !when.has(sample->t_ns) || spoil(*sample);
   };
 }
 
-/// The picture or reading before the fault, again and again.
+/// The picture or IMU sample before the fault, again and again.
 Spoil frozen_pictures(const Interval& when) {
   return [=, last = Picture()](Event& event) mutable {
     Picture* picture = std::get_if<Picture>(&event);
@@ -75,7 +79,7 @@ Spoil frozen_pictures(const Interval& when) {
     return true;
   };
 }
-Spoil frozen_readings(const Interval& when) {
+Spoil frozen_samples(const Interval& when) {
   return [=, last = pl::ImuSample()](Event& event) mutable {
     pl::ImuSample* sample = std::get_if<pl::ImuSample>(&event);
     if (sample == nullptr) return true;
@@ -94,32 +98,32 @@ Spoil covered(const Interval& when, int px_per_frame) {
   });
 }
 Spoil gyro_step(const Interval& when, double rad_s) {
-  return of_readings(when, [=](pl::ImuSample& s) {
+  return of_imu_samples(when, [=](pl::ImuSample& s) {
     s.gyro.x() += rad_s;
     return true;
   });
 }
 
 constexpr double whole = std::numeric_limits<double>::infinity();
-const double asked = std::nan("");
+const double of_options = std::nan("");
 
 const std::vector<Fault>& image_faults() {
   static const std::vector<Fault> all{
-      {"black", asked,
+      {"black", of_options,
        [](const Interval& when) {
          return of_pictures(when, [](Picture& p) {
            p.gray = cv::Mat(p.gray.size(), CV_8U, cv::Scalar(0));
            return true;
          });
        }},
-      {"white", asked,
+      {"white", of_options,
        [](const Interval& when) {
          return of_pictures(when, [](Picture& p) {
            p.gray = cv::Mat(p.gray.size(), CV_8U, cv::Scalar(255));
            return true;
          });
        }},
-      {"blurred", asked,
+      {"blurred", of_options,
        [](const Interval& when) {
          return of_pictures(when, [](Picture& p) {
            cv::Mat blurred;
@@ -128,37 +132,37 @@ const std::vector<Fault>& image_faults() {
            return true;
          });
        }},
-      {"frozen", asked, frozen_pictures},
-      {"missing", asked, [](const Interval& when) { return of_pictures(when, [](Picture&) { return false; }); }},
-      {"half covered", asked, [](const Interval& when) { return covered(when, 0); }},
-      {"half moving", asked, [](const Interval& when) { return covered(when, 4); }},
+      {"frozen", of_options, frozen_pictures},
+      {"missing", of_options, [](const Interval& when) { return of_pictures(when, [](Picture&) { return false; }); }},
+      {"half covered", of_options, [](const Interval& when) { return covered(when, 0); }},
+      {"half moving", of_options, [](const Interval& when) { return covered(when, 4); }},
   };
   return all;
 }
 
 const std::vector<Fault>& imu_faults() {
   static const std::vector<Fault> all{
-      {"IMU gap", 0.2, [](const Interval& when) { return of_readings(when, [](pl::ImuSample&) { return false; }); }},
-      {"IMU frozen", 1, frozen_readings},
+      {"IMU gap", 0.2, [](const Interval& when) { return of_imu_samples(when, [](pl::ImuSample&) { return false; }); }},
+      {"IMU frozen", 1, frozen_samples},
       {"gyro +0.05 rad/s", whole, [](const Interval& when) { return gyro_step(when, 0.05); }},
       {"gyro +0.3 rad/s", whole, [](const Interval& when) { return gyro_step(when, 0.3); }},
-      {"accel clipped", whole,
+      {"accel saturated", whole,
        [](const Interval& when) {
-         return of_readings(when, [](pl::ImuSample& s) {
+         return of_imu_samples(when, [](pl::ImuSample& s) {
            s.accel = s.accel.cwiseMax(-9.5).cwiseMin(9.5);
            return true;
          });
        }},
       {"IMU 30 ms late", whole,
-       [](const Interval&) {  // the truth is told by its clock: what differs is the camera's, all the time
+       [](const Interval&) {  // the truth has the time of the IMU: the images are shifted, in the whole run
          return [](Event& event) {
            if (auto* picture = std::get_if<Picture>(&event)) picture->t_ns -= 30'000'000;
            return true;
          };
        }},
-      {"accel y turned", whole,
+      {"accel y inverted", whole,
        [](const Interval& when) {
-         return of_readings(when, [](pl::ImuSample& s) {
+         return of_imu_samples(when, [](pl::ImuSample& s) {
            s.accel.y() = -s.accel.y();
            return true;
          });
@@ -167,83 +171,84 @@ const std::vector<Fault>& imu_faults() {
   return all;
 }
 
-struct Outcome {
-  double ate_m, recovered_s;  ///< infinite: not any more
-  int wrong = 0, lost = 0;    ///< frames
-  unsigned resets = 0;
-};
-
-Outcome outcome_of(const std::vector<JudgedFrame>& frames, pl::TimeNs fault_end_ns) {
-  Outcome out{ate_of(frames), 0};
+/// What a run came to: the error, seconds from the end of the fault to the first `tracking` frame, and frames.
+json outcome_of(const std::vector<JudgedFrame>& frames, pl::TimeNs fault_end_ns) {
+  double recovered_s = std::nan("");
+  int false_frames = 0, lost_frames = 0;
+  std::uint32_t resets = 0;
   for (const JudgedFrame& frame : frames) {
     const pl::HealthState state = frame.estimate.health.state;
-    out.wrong += frame.is_false();
-    out.lost += state == pl::HealthState::lost;
-    out.resets = std::max(out.resets, frame.estimate.resets);
-    if (frame.t_ns >= fault_end_ns && state == pl::HealthState::tracking && out.recovered_s == 0)
-      out.recovered_s = pl::seconds_between(fault_end_ns, frame.t_ns);
+    false_frames += frame.is_false();
+    lost_frames += state == pl::HealthState::lost;
+    resets = std::max(resets, frame.estimate.resets);
+    if (frame.t_ns >= fault_end_ns && state == pl::HealthState::tracking && std::isnan(recovered_s))
+      recovered_s = pl::seconds_between(fault_end_ns, frame.t_ns);
   }
-  if (out.recovered_s == 0) out.recovered_s = whole;
+  return {{"ate_m", rounded(ate_of(frames), 6)},
+          {"recovered_s", rounded(recovered_s, 3)},
+          {"frames", frames.size()},
+          {"false_frames", false_frames},
+          {"lost_frames", lost_frames},
+          {"resets", resets}};
+}
+
+/// One fault at all its times.
+json run_fault(const Fault& fault, double duration_s, const Configuration& configuration,
+               const LoadedRecording& recording, const Trial& clean, int times) {
+  json out = {{"name", fault.name}, {"duration_s", rounded(duration_s, 6)}, {"runs", json::array()}};
+  for (int k = 1; k <= times; ++k) {
+    const pl::TimeNs length_ns = recording.end_ns - recording.begin_ns;
+    const pl::TimeNs begin_ns = recording.begin_ns + length_ns / (times + 1) * k;
+    const pl::TimeNs end_ns =
+        std::isfinite(duration_s) ? begin_ns + std::llround(1e9 * duration_s) : recording.end_ns + length_ns;
+    const Trial trial = run_trial(configuration, recording, recording.begin_ns, recording.end_ns,
+                                  fault.make({begin_ns, end_ns}), clean.heading);
+    out["runs"].push_back(outcome_of(trial.frames, std::isfinite(duration_s) ? end_ns : begin_ns));
+    out["runs"].back()["begin_s"] = rounded(pl::seconds_between(recording.begin_ns, begin_ns), 3);
+  }
   return out;
 }
 
-void print_row(const Fault& fault, double duration_s, double clean_m, const std::vector<Outcome>& outcomes) {
-  std::vector<double> ate_m;
-  double recovered_s = 0;
-  int wrong = 0, lost = 0;
-  unsigned resets = 0;
-  for (const Outcome& each : outcomes) {
-    ate_m.push_back(each.ate_m);
-    recovered_s = std::max(recovered_s, each.recovered_s);
-    wrong += each.wrong;
-    lost += each.lost;
-    resets += each.resets;
-  }
-  const double worst_m = *std::max_element(ate_m.begin(), ate_m.end());
-  char length[16] = "";
-  if (std::isfinite(duration_s)) std::snprintf(length, sizeof length, "%g s", duration_s);
-  std::printf("%-17s %6s %9.4f %9.4f %6.2f %7.2f %6d %6d %7u\n", fault.name, length, median(ate_m), worst_m,
-              worst_m / clean_m, recovered_s, wrong, lost, resets);
-  std::fflush(stdout);
-}
-
-void run_faults(const Configuration& configuration, const LoadedRecording& recording, const FaultOptions& options) {
-  const auto run = [&](const Spoil& spoil, const std::optional<pl::SO3<double>>& heading = std::nullopt) {
-    return run_trial(configuration, recording, recording.begin_ns, recording.end_ns, spoil, heading);
+/// All faults of one configuration on one recording.
+json run_faults(const Configuration& configuration, const LoadedRecording& recording, const FaultOptions& options) {
+  const Trial clean =
+      run_trial(configuration, recording, recording.begin_ns, recording.end_ns, [](Event&) { return true; });
+  json group = {{"configuration", configuration.name},
+                {"dataset", recording.name},
+                {"clean", outcome_of(clean.frames, recording.begin_ns)},
+                {"faults", json::array()}};
+  print_clean_run(std::cout, group);
+  const auto run = [&](const Fault& fault, double duration_s) {
+    group["faults"].push_back(run_fault(fault, duration_s, configuration, recording, clean, options.times));
+    print_fault(std::cout, group.at("clean"), group["faults"].back());
+    std::cout.flush();
   };
-  const Trial clean_trial = run([](Event&) { return true; });
-  const std::vector<JudgedFrame>& clean = clean_trial.frames;
-  const double clean_m = ate_of(clean);
-  const auto wrong = std::count_if(clean.begin(), clean.end(), [](const JudgedFrame& f) { return f.is_false(); });
-  std::printf("%s on %s: %.4f m, %zu frames, %ld falsely tracking\n", configuration.name, recording.name.c_str(),
-              clean_m, clean.size(), static_cast<long>(wrong));
-  std::printf("%-17s %6s %9s %9s %6s %7s %6s %6s %7s\n", "fault", "", "median", "worst m", "ratio", "back s", "false",
-              "lost", "resets");
-  const auto show = [&](const Fault& fault, double duration_s) {
-    std::vector<Outcome> outcomes;
-    for (int k = 1; k <= options.times; ++k) {
-      const pl::TimeNs length_ns = recording.end_ns - recording.begin_ns;
-      const pl::TimeNs begin_ns = recording.begin_ns + length_ns / (options.times + 1) * k;
-      const pl::TimeNs end_ns =
-          std::isfinite(duration_s) ? begin_ns + std::llround(1e9 * duration_s) : recording.end_ns + length_ns;
-      const Trial trial = run(fault.make({begin_ns, end_ns}), clean_trial.heading);
-      outcomes.push_back(outcome_of(trial.frames, std::isfinite(duration_s) ? end_ns : begin_ns));
-    }
-    print_row(fault, duration_s, clean_m, outcomes);
-  };
-  const auto asked_for = [&](const Fault& fault) {
+  const auto is_chosen = [&](const Fault& fault) {
     return options.kinds.empty() ||
            std::find(options.kinds.begin(), options.kinds.end(), fault.name) != options.kinds.end();
   };
   for (const Fault& fault : image_faults()) {
     for (const double duration_s : options.durations_s) {
-      if (asked_for(fault)) show(fault, duration_s);
+      if (is_chosen(fault)) run(fault, duration_s);
     }
   }
-  if (!configuration.needs.imu) return;
   for (const Fault& fault : imu_faults()) {
-    if (asked_for(fault)) show(fault, fault.duration_s);
+    if (configuration.needs.imu && is_chosen(fault)) run(fault, fault.duration_s);
   }
+  return group;
+}
+
+std::string command_of(const FaultOptions& options) {
+  std::vector<std::string> words{"plumbline", "faults", "--config"};
+  words.insert(words.end(), options.configs.begin(), options.configs.end());
+  words.emplace_back("--dataset");
+  for (const auto& dataset : options.datasets) words.push_back(name_of_recording(dataset));
+  if (!options.kinds.empty()) words.emplace_back("--fault");
+  words.insert(words.end(), options.kinds.begin(), options.kinds.end());
+  words.emplace_back("--for");
+  for (const double duration_s : options.durations_s) words.push_back(format("%g", duration_s));
+  words.insert(words.end(), {"--times", std::to_string(options.times)});
+  return command_line(words);
 }
 
 }  // namespace
@@ -260,10 +265,17 @@ int run_faults(const FaultOptions& options) {
   for (const std::string& name : options.kinds)
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw std::runtime_error(unknown_name("fault", name, known));
+  check_results(options.results);
+  json result = result_of("faults", command_of(options), options.results);
+  result["groups"] = json::array();
   for (const std::string& name : options.configs) {
     const Configuration& configuration = configuration_named(name);
-    for (const auto& dataset : options.datasets)
-      run_faults(configuration, load_recording(dataset, configuration.needs), options);
+    for (const auto& dataset : options.datasets) {
+      LoadedRecording recording = load_recording(dataset, configuration.needs);
+      recording.name = name_of_recording(dataset);
+      result["groups"].push_back(run_faults(configuration, recording, options));
+    }
   }
+  write_results(options.results, result);
   return 0;
 }

@@ -1,9 +1,11 @@
 #pragma once
-/// `plumbline faults`: what a configuration makes of a recording whose images or readings fail for a while.
+/// `plumbline faults`: runs of a configuration on a recording whose images or IMU samples fail for some time.
 
 #include <filesystem>
 #include <string>
 #include <vector>
+
+#include "results.hpp"
 
 struct FaultOptions {
   std::vector<std::string> configs;
@@ -11,6 +13,7 @@ struct FaultOptions {
   std::vector<std::string> kinds;  ///< of fault_names(); empty: all
   std::vector<double> durations_s{0.1, 0.2, 0.3, 0.5, 1, 3};
   int times = 3;  ///< each fault at so many times of the recording
+  ResultOptions results;
 };
 
 std::vector<std::string> fault_names();

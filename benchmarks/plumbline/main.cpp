@@ -16,9 +16,11 @@
 #include "evaluate.hpp"
 #include "faults.hpp"
 #include "interrupt.hpp"
+#include "memory.hpp"
 #include "nearest.hpp"
 #include "number_range.hpp"
 #include "plumbline/io/printable.hpp"
+#include "results.hpp"
 #include "run.hpp"
 #include "runner.hpp"
 #include "simulate.hpp"
@@ -49,7 +51,14 @@ void check_names(const CLI::App& app, std::span<char* const> arguments) {
   }
 }
 
-int list() {
+struct ListOptions {
+  bool memory = false;
+  ResultOptions results;
+};
+
+int list(const ListOptions& options) {
+  if (options.memory) return list_memory(options.results);
+
   for (const Configuration& configuration : configurations()) {
     const Needs& needs = configuration.needs;
     const std::string sensors = std::string("camera") + (needs.depth ? ", depth" : "") + (needs.imu ? ", IMU" : "");
@@ -58,6 +67,28 @@ int list() {
                 is_recommended ? "recommended for these" : "");
   }
   return 0;
+}
+
+void add_results(CLI::App& command, ResultOptions& options) {
+  command.add_option("--json", options.json, "All figures to write, JSON");
+  command.add_option("--markdown", options.markdown, "Table to write, Markdown");
+  command.add_option("--commit", options.commit, "Commit of the source, for these files")->envname("PLUMBLINE_COMMIT");
+}
+
+void add_list(CLI::App& app, ListOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("list", "Print the names of the configurations, and the sensors that each needs");
+  command->add_flag("--memory", options.memory, "Print the size of each estimator with the types of firmware");
+  add_results(*command, options.results);
+  for (const char* name : {"--json", "--markdown"}) command->get_option(name)->needs("--memory");
+}
+
+void add_table(CLI::App& app, TableOptions& options) {
+  CLI::App* command = app.add_subcommand("table", "Write the tables of results that other commands left as JSON");
+  command->add_option("files", options.files, "Files of starts, faults, compare or list --memory")->required();
+  command->add_option("--template", options.page, "Page with marks where tables go: <!-- table NAME -->");
+  command->add_option("--command", options.command, "Command that made a comparison, for its table");
+  add_results(*command, options.outputs);
 }
 
 void add_run(CLI::App& app, RunOptions& options) {
@@ -143,7 +174,7 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
 }
 
 void add_faults(CLI::App& app, FaultOptions& options) {
-  CLI::App* command = app.add_subcommand("faults", "What becomes of a run whose images or readings fail for a while");
+  CLI::App* command = app.add_subcommand("faults", "Runs whose images or IMU samples fail for some time");
   command->add_option("--config", options.configs, "Configurations")->required();
   command->add_option("--dataset", options.datasets, "Folders of recordings with truth")->required();
   command->add_option("--fault", options.kinds, "Of: " + CLI::detail::join(fault_names(), ", ") + "; all by default");
@@ -151,16 +182,18 @@ void add_faults(CLI::App& app, FaultOptions& options) {
       ->check(number_from(0.001, longest_s, "s"))
       ->capture_default_str();
   command->add_option("--times", options.times, "Each fault at so many times")->check(whole_number_from(1, 1000));
+  add_results(*command, options.results);
 }
 
 void add_starts(CLI::App& app, StartOptions& options) {
-  CLI::App* command = app.add_subcommand("starts", "How soon and how well runs start, begun at many times");
+  CLI::App* command = app.add_subcommand("starts", "Initialization in runs that begin at many times of a recording");
   command->add_option("--config", options.configs, "Configurations")->required();
   command->add_option("--dataset", options.datasets, "Folders of recordings with truth")->required();
-  command->add_option("--every", options.every_s, "Time between two starts [s]")
+  command->add_option("--every", options.every_s, "Time between the begins of two runs [s]")
       ->check(number_from(0.001, longest_s, "s"));
   command->add_option("--duration", options.duration_s, "Length of each run [s]")
       ->check(number_from(0.001, longest_s, "s"));
+  add_results(*command, options.results);
 }
 
 /// A name that is empty is one that a script has lost.
@@ -204,27 +237,31 @@ int main(int argc, char* argv[]) {
   CLI::App app("Visual odometry: estimate, compare, simulate", "plumbline");
   app.require_subcommand(1);
   app.set_version_flag("--version", "plumbline " PLUMBLINE_VERSION);
+  ListOptions list_options;
   RunOptions run_options;
   EvaluateOptions evaluate_options;
   SimulateOptions simulate_options;
   FaultOptions fault_options;
   StartOptions start_options;
   CompareOptions compare_options;
-  app.add_subcommand("list", "Print the names of the configurations, and the sensors that each needs");
+  TableOptions table_options;
+  add_list(app, list_options);
   add_run(app, run_options);
   add_evaluate(app, evaluate_options);
   add_simulate(app, simulate_options);
   add_faults(app, fault_options);
   add_starts(app, start_options);
   add_compare(app, compare_options);
+  add_table(app, table_options);
   refuse_empty_values(app);
   const auto run_command = [&] {
-    if (app.got_subcommand("list")) return list();
+    if (app.got_subcommand("list")) return list(list_options);
     if (app.got_subcommand("run")) return run_configuration(run_options);
     if (app.got_subcommand("evaluate")) return run_evaluate(evaluate_options);
     if (app.got_subcommand("faults")) return run_faults(fault_options);
     if (app.got_subcommand("starts")) return run_starts(start_options);
     if (app.got_subcommand("compare")) return run_compare(compare_options);
+    if (app.got_subcommand("table")) return run_table(table_options);
     return run_simulate(simulate_options);
   };
   try {

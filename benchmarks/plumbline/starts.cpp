@@ -3,14 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <optional>
+#include <iostream>
+#include <limits>
 
+#include "compare_json.hpp"
+#include "format.hpp"
 #include "plumbline/io/trajectory_alignment.hpp"
-#include "statistics.hpp"
+#include "starts_table.hpp"
+#include "table_cells.hpp"
 #include "trial.hpp"
 
 namespace pl = plumbline;
 namespace io = plumbline::io;
+using nlohmann::json;
 
 namespace {
 
@@ -18,8 +23,9 @@ constexpr double never = std::numeric_limits<double>::infinity();
 
 struct StartOutcome {
   double pose_s = never, tracking_s = never;  ///< after the first frame
-  double scale_error = NAN, later = NAN;      ///< over two seconds from `tracking` on, and of the last two; NaN at rest
-  int wrong = 0;                              ///< frames
+  /// Over two seconds from `tracking` on, and over the last two; NaN where next to nothing moves.
+  double scale_error = NAN, last_scale_error = NAN;
+  int false_frames = 0;
 };
 
 /// |1 - scale| of the estimate over an interval; NaN where next to nothing moves.
@@ -50,66 +56,83 @@ StartOutcome outcome_of(const LoadedRecording& recording, const std::vector<Judg
       out.tracking_s = t_s;
       tracking_ns = frame.t_ns;
     }
-    out.wrong += frame.is_false();
+    out.false_frames += frame.is_false();
   }
   if (tracking_ns == 0) return out;
   out.scale_error = scale_error(recording, frames, tracking_ns, tracking_ns + two_s);
-  out.later = scale_error(recording, frames, frames.back().t_ns - two_s, frames.back().t_ns);
+  out.last_scale_error = scale_error(recording, frames, frames.back().t_ns - two_s, frames.back().t_ns);
   return out;
 }
 
-void print_number(double x, double unit, int digits) {
-  if (std::isfinite(x))
-    std::printf(" %8.*f", digits, x * unit);
-  else
-    std::printf(" %8s", "-");
+json json_of(const StartOutcome& outcome, double begin_s, const std::vector<JudgedFrame>& frames) {
+  const pl::Health& health = frames.back().estimate.health;
+  return {{"begin_s", rounded(begin_s, 6)},
+          {"frames", frames.size()},
+          {"pose_s", rounded(outcome.pose_s, 3)},
+          {"tracking_s", rounded(outcome.tracking_s, 3)},
+          {"scale_error", rounded(outcome.scale_error, 5)},
+          {"last_scale_error", rounded(outcome.last_scale_error, 5)},
+          {"false_frames", outcome.false_frames},
+          {"last_state", name_of(health.state)},
+          {"last_reason", name_of(health.reason)}};
 }
 
-void run_starts(const Configuration& configuration, const LoadedRecording& recording, const StartOptions& options) {
+/// For the terminal, when a run has ended.
+void print_start(const json& run) {
+  std::printf("%8.1f %8s %8s %8s %8s %8d  %s, %s\n", run.at("begin_s").get<double>(),
+              number(run.at("pose_s"), 2).c_str(), number(run.at("tracking_s"), 2).c_str(),
+              number(run.at("scale_error"), 1, 100).c_str(), number(run.at("last_scale_error"), 1, 100).c_str(),
+              run.at("false_frames").get<int>(), run.at("last_state").get<std::string>().c_str(),
+              run.at("last_reason").get<std::string>().c_str());
+  std::fflush(stdout);
+}
+
+/// All runs of one configuration on one recording.
+json run_starts(const Configuration& configuration, const LoadedRecording& recording, const StartOptions& options) {
   std::printf("%s on %s\n%8s %8s %8s %8s %8s %8s  %s\n", configuration.name, recording.name.c_str(), "begin s",
               "pose s", "track s", "scale %", "later %", "false", "last health");
-  int starts = 0, posed = 0, tracked = 0, wrong = 0;
-  std::vector<double> pose_s, scales, later;
+  json group = {{"configuration", configuration.name},
+                {"dataset", recording.name},
+                {"every_s", options.every_s},
+                {"duration_s", options.duration_s},
+                {"runs", json::array()}};
   const double length_s = pl::seconds_between(recording.begin_ns, recording.end_ns);
   for (double begin_s = 0; begin_s + options.duration_s <= length_s; begin_s += options.every_s) {
     const pl::TimeNs begin_ns = recording.begin_ns + std::llround(1e9 * begin_s);
     const pl::TimeNs end_ns = begin_ns + std::llround(1e9 * options.duration_s);
     const auto frames = run_trial(configuration, recording, begin_ns, end_ns, [](Event&) { return true; }).frames;
     if (frames.empty()) continue;
-    const StartOutcome out = outcome_of(recording, frames);
-    ++starts;
-    posed += std::isfinite(out.pose_s);
-    tracked += std::isfinite(out.tracking_s);
-    wrong += out.wrong > 0;
-    pose_s.push_back(out.pose_s);
-    if (std::isfinite(out.scale_error)) scales.push_back(out.scale_error);
-    if (std::isfinite(out.later)) later.push_back(out.later);
-    std::printf("%8.1f", begin_s);
-    print_number(out.pose_s, 1, 2);
-    print_number(out.tracking_s, 1, 2);
-    print_number(out.scale_error, 100, 1);
-    print_number(out.later, 100, 1);
-    const pl::Health& health = frames.back().estimate.health;
-    std::printf(" %8d  %s, %s\n", out.wrong, name_of(health.state), name_of(health.reason));
-    std::fflush(stdout);
+    group["runs"].push_back(json_of(outcome_of(recording, frames), begin_s, frames));
+    print_start(group["runs"].back());
   }
-  const auto worst = [](const std::vector<double>& x) {
-    return x.empty() ? NAN : *std::max_element(x.begin(), x.end());
-  };
-  std::printf(
-      "%d starts: %d with a pose (median %.2f s), %d tracking, %d falsely; scale error median %.1f %%, worst "
-      "%.1f %%, later %.1f %% and %.1f %%\n",
-      starts, posed, median(pose_s), tracked, wrong, 100 * median(scales), 100 * worst(scales), 100 * median(later),
-      100 * worst(later));
+  print_summary(std::cout, group);
+  std::cout.flush();
+  return group;
+}
+
+std::string command_of(const StartOptions& options) {
+  std::vector<std::string> words{"plumbline", "starts", "--config"};
+  words.insert(words.end(), options.configs.begin(), options.configs.end());
+  words.emplace_back("--dataset");
+  for (const auto& dataset : options.datasets) words.push_back(name_of_recording(dataset));
+  words.insert(words.end(), {"--every", format("%g", options.every_s), "--duration", format("%g", options.duration_s)});
+  return command_line(words);
 }
 
 }  // namespace
 
 int run_starts(const StartOptions& options) {
+  check_results(options.results);
+  json result = result_of("initialization", command_of(options), options.results);
+  result["groups"] = json::array();
   for (const std::string& name : options.configs) {
     const Configuration& configuration = configuration_named(name);
-    for (const auto& dataset : options.datasets)
-      run_starts(configuration, load_recording(dataset, configuration.needs), options);
+    for (const auto& dataset : options.datasets) {
+      LoadedRecording recording = load_recording(dataset, configuration.needs);
+      recording.name = name_of_recording(dataset);
+      result["groups"].push_back(run_starts(configuration, recording, options));
+    }
   }
+  write_results(options.results, result);
   return 0;
 }
