@@ -1,21 +1,31 @@
 #!/usr/bin/env bash
 # Installs what plumbline needs on Debian 12; does nothing when all of it is there.
 #   cmake/setup_debian.sh program   to build the program
-#   cmake/setup_debian.sh test      to build and run every test as well
+#   cmake/setup_debian.sh docs      to build the documentation site
+#   cmake/setup_debian.sh test      to build the program, to build and run every test, and to build the site
 set -euo pipefail
 
-packages=(g++ cmake ninja-build libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
-  libjpeg-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev)
+packages=()
+program() {
+  packages+=(g++ cmake ninja-build libeigen3-dev libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
+    libjpeg-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev)
+}
+docs() {
+  packages+=(mkdocs mkdocs-material python3-pymdownx doxygen chromium)
+  command -v npm > /dev/null || packages+=(nodejs npm)  # there may be one that is not Debian's
+}
 case "${1:-}" in
-  program) ;;
+  program) program ;;
+  docs) docs ;;
   test)
+    program
+    docs
     packages+=(catch2 ccache libceres-dev libopencv-calib3d-dev libopencv-video-dev libbenchmark-dev pkg-config
       gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib
-      git shellcheck clang libclang-rt-14-dev lld clang-format-14 clang-tidy-14 python3-jsonschema chromium)
-    command -v npm > /dev/null || packages+=(nodejs npm)  # there may be one that is not Debian's
+      git shellcheck clang libclang-rt-14-dev lld clang-format-14 clang-tidy-14 python3-jsonschema)
     ;;
   *)
-    echo "usage: ${0##*/} program|test" >&2
+    echo "usage: ${0##*/} program|docs|test" >&2
     exit 1
     ;;
 esac
