@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Builds the program, runs visual odometry on a recording and shows how far it is from the truth.
-#   ./demo.sh                a simulated recording of a room, made on the spot
+# Builds the program, runs visual odometry on a recording and compares the trajectory with the ground truth.
+#   ./demo.sh                a simulated recording of a room
 #   ./demo.sh DATASET_DIR    a recording of yours: EuRoC, TUM RGB-D (with or without imu.csv) or KITTI odometry
-# Everything it makes is in ./demo: trajectory.tum, timing.csv, trajectory.png, and report.html, a page to look at.
+# Outputs are in ./demo: trajectory.tum, timing.csv, trajectory.png and report.html.
 set -euo pipefail
 started_in=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")"
@@ -52,7 +52,7 @@ step "Running $config on $dataset"
 "$plumbline" run --config "$config" --dataset "$dataset" --trajectory demo/trajectory.tum --timing demo/timing.csv
 echo "wrote demo/trajectory.tum, demo/timing.csv"
 
-# With an IMU the trajectory is that of the body, without that of the camera; a camera alone knows no scale.
+# With an IMU the trajectory is that of the body, else that of the camera. A single camera has no metric scale.
 references=(groundtruth.txt poses.txt mav0/state_groundtruth_estimate0/data.csv)
 case $sensors in
   *imu)
@@ -65,14 +65,14 @@ esac
 for reference in "${references[@]}"; do
   if [[ -f $dataset/$reference ]]; then
     step "Comparing with $reference"
-    to_camera=()  # the truth of EuRoC is the body's
+    to_camera=()  # EuRoC's ground truth is that of the body
     if [[ $sensors == mono && $reference == mav0/* ]]; then
       to_camera=(--to-camera "$dataset/mav0/cam0/sensor.yaml")
     fi
     "$plumbline" evaluate --reference "$dataset/$reference" --estimate demo/trajectory.tum --align $alignment \
       --plot demo/trajectory.png "${to_camera[@]}"
     echo "drew demo/trajectory.png"
-    step "Four starts, one frame apart, on a page"
+    step "Comparing four runs that begin one frame apart"
     "$plumbline" compare --config "$config" --dataset "$dataset" --repeat 4 --json demo/report.json \
       --report demo/report.html
     echo "wrote demo/report.html: open it in a browser"
