@@ -29,6 +29,7 @@ PLUMBLINE_API=$parts doxygen docs/Doxyfile
 mv "$parts/html" "$parts/api"
 
 "$python" docs/site/list_decisions.py ${CI:+--check}
+"$python" docs/site/draw_tracking_states.py ${CI:+--check}
 if ! PLUMBLINE_SITE_PARTS=$parts PYTHONDONTWRITEBYTECODE=1 "$python" -m mkdocs build --strict &> build/mkdocs.log; then
   grep -vE 'INFO|^  - ' build/mkdocs.log
   exit 1

@@ -12,7 +12,7 @@
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/estimator/composition.hpp"
-#include "plumbline/estimator/odometry.hpp"
+#include "plumbline/estimator/keyframe_window.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/points.hpp"
 #include "plumbline/motion/constant_velocity.hpp"
@@ -86,13 +86,17 @@ struct Run {
   }
 };
 
-/// Odometry with another map.
+/// Of an estimator with another map.
 struct BigMap {
-  alignas(16) std::uint8_t bytes[4096];
+  template <class Sensors>
+  struct Map {
+    std::uint8_t bytes[4096];
+  };
 };
-using Parts = Composition<Sensors, Features<Points<60>>, SlidingWindow<slots>>;
+template <class MapPolicy>
+using VoWith = Estimator<Sensors, Features<Points<60>>, SlidingWindow<slots>, NoClock, MapPolicy>;
 static_assert(std::is_empty_v<NoMap::Discard<float>> && std::is_empty_v<NoMap::Discard<double>>);
-static_assert(sizeof(Odometry<Parts, BigMap>) - sizeof(Odometry<Parts, NoMap::Discard<double>>) == sizeof(BigMap));
+static_assert(sizeof(VoWith<BigMap>) - sizeof(VoWith<NoMap>) == sizeof(BigMap::Map<Sensors>));
 
 }  // namespace
 

@@ -35,7 +35,7 @@ TEMPLATE_TEST_CASE("world_frame_uncertainty: an error of the initial pose moves 
       const Vec<S, 6> moved = minus(plus(T, d) * T_between, T_later) / step;
       Mat<S, 6, 6> P = Mat<S, 6, 6>::Zero();
       P(k, k) = S(1);
-      REQUIRE((carried(P, T, T_later) - moved * moved.transpose()).norm() < tolerance * (1 + moved.squaredNorm()));
+      REQUIRE((transported(P, T, T_later) - moved * moved.transpose()).norm() < tolerance * (1 + moved.squaredNorm()));
     }
   }
 }
@@ -70,7 +70,7 @@ TEMPLATE_TEST_CASE("world_frame_uncertainty: zero at first, variances add up", "
   const Mat<S, 6, 6> P = random_covariance<S>(normal);
   uncertainty.set(T, P);
   CHECK((uncertainty.at(T) - P).norm() < S(1e-4) * P.norm());
-  CHECK((uncertainty.at(T_later) - carried(P, T, T_later)).norm() < S(1e-4) * P.norm());
+  CHECK((uncertainty.at(T_later) - transported(P, T, T_later)).norm() < S(1e-4) * P.norm());
 }
 
 TEMPLATE_TEST_CASE("world_frame_uncertainty: the calibration error grows with the path length", "", float, double) {

@@ -1,27 +1,30 @@
 #pragma once
-/// Visual and visual-inertial odometry of a rig, feature kinds and a backend, all named in the type:
+/// Visual and visual-inertial odometry from a rig, feature kinds and a backend, all named in the type:
 ///
 ///   using Vio = Estimator<Rig<Rgbd<Pinhole<float>>, Imu>, Features<Points<180>>, SlidingWindow<10>>;
 ///   static Vio vio{rig, options};                       // every byte it will ever use
 ///   vio.add_imu({t_ns, gyro, accel});                   // rigs with an IMU: rad/s, m/s^2
 ///   Result<Estimate<float>> estimate = vio.add_frame({t_ns, gray, depth});
 ///
-/// Stages of a frame: image pyramid, prediction, tracking, pose estimation, keyframe (detection, window optimization,
-/// marginalization), publication. When tracking fails: IMU-only propagation, re-detection, reset. The same input gives
-/// the same output, bit for bit. With an executor (executor.hpp) the keyframe task runs beside the caller; every later
-/// stage that depends on it waits for it, so the output is still reproducible.
+/// One frame: take in, predict, track, solve, keyframe (detect, optimize, retire), publish. Which of these a frame goes
+/// through depends on the tracking state (tracking_state.hpp); initialization is in initialization/, frames without a
+/// pose are in outage.hpp. Same input, same output, bit for bit, with any executor (executor.hpp).
 
 #include "plumbline/core/result.hpp"
 #include "plumbline/estimator/clock.hpp"
+#include "plumbline/estimator/components.hpp"
 #include "plumbline/estimator/composition.hpp"
 #include "plumbline/estimator/estimate.hpp"
-#include "plumbline/estimator/executor.hpp"
-#include "plumbline/estimator/initialization.hpp"
+#include "plumbline/estimator/frame_tracker.hpp"
 #include "plumbline/estimator/keyframe_task.hpp"
-#include "plumbline/estimator/odometry.hpp"
+#include "plumbline/estimator/keyframe_window.hpp"
 #include "plumbline/estimator/options.hpp"
-#include "plumbline/estimator/recovery.hpp"
+#include "plumbline/estimator/outage.hpp"
+#include "plumbline/estimator/publisher.hpp"
+#include "plumbline/initialization/initialization.hpp"
 #include "plumbline/map/no_map.hpp"
+#include "plumbline/state/navigation.hpp"
+#include "plumbline/state/tracking_state.hpp"
 
 namespace plumbline {
 
@@ -31,20 +34,31 @@ class Estimator {
   static_assert(SensorRig<Sensors>, "plumbline: argument 1 must be a rig, e.g. Rig<Rgbd<Pinhole<float>>>");
   using Parts = Composition<Sensors, FeatureSet, BackendPolicy>;
   using Map = typename MapPolicy::template Map<Sensors>;
-  using Core = Odometry<Parts, Map>;
-  using Covariance = typename Core::Covariance;
-  using Predicted = typename Core::Predicted;
-  using State = typename Core::State;
-  using Task = KeyframeTask<Core, ExecutorPolicy>;
+  using Motion = typename Parts::Motion;
+  using State = typename Motion::State;
+  using Window = KeyframeWindow<Parts, Map>;
+  using Tracker = FrameTracker<Parts>;
+  using Covariance = typename Tracker::Covariance;
+  using Predicted = typename Tracker::Predicted;
 
  public:
   using S = typename Sensors::Scalar;
   using Frame = typename Sensors::Frame;
-  using Landmarks = typename Core::Landmarks;
-  using Backend = typename Core::Backend;
-  using Options = typename Core::Options;
+  using Landmarks = typename Parts::Landmarks;
+  using Backend = typename Parts::Backend;
+  using Options = EstimatorOptions<Parts>;
 
-  explicit Estimator(const Sensors& rig, const Options& options = {}) : core_(rig, options), initialization_(options) {}
+  explicit Estimator(const Sensors& rig, const Options& options = {})
+      : rig_(rig),
+        max_lost_frames_(options.recovery.max_lost_frames),
+        min_inliers_(options.pose.min_inliers),
+        rig_state_(rig, options.readout),
+        tracker_(options),
+        window_(options),
+        motion_(rig, options.motion),
+        navigation_(WorldFrameUncertainty<S>(S(options.calibration_error), Sensors::has_imu)),
+        initialization_(options),
+        outage_(options) {}
 
   /// Adds an IMU sample. All samples up to the frame's time plus the time offset (`latest().time_offset_s`) are to be
   /// added before that frame; samples between two frames may come in any order. Errors as in ImuBuffer.
@@ -52,122 +66,214 @@ class Estimator {
   /// instantiation, whatever its requires-clause.)
   template <InertialRig R = Sensors>
   Result<typename ImuBuffer<>::Accepted> add_imu(const ImuSample& sample) {
-    const State latest = task_.latest_state(core_);
-    return core_.motion.imu().add(sample, initialization_.has_started() ? &latest : nullptr);
+    const State latest = task_.latest_state(window_.frames());
+    return motion_.imu().add(sample, has_frames_ ? &latest : nullptr);
   }
 
   /// Processes a frame; its pixels are not used after the call. On an error the state of the estimator is unchanged.
   Result<Estimate<S>> add_frame(const Frame& frame) {
-    if (!ImagePair<Sensors>::has_right_size(core_.rig, frame)) return Error::wrong_image_size;
-    if (initialization_.has_started() && frame.t_ns <= latest().t_ns) return Error::late_sample;
+    if (!ImagePair<Sensors>::has_right_size(rig_, frame)) return Error::wrong_image_size;
+    if (has_frames_ && frame.t_ns <= latest().t_ns) return Error::late_sample;
     Stopwatch<TimeSource> whole, stage;
     task_.wait();
-    if (!core_.images.take_in(frame)) return Error::wrong_image_size;
+    if (!tracker_.images().take_in(frame)) return Error::wrong_image_size;
     timing_ = {.pyramid = stage.lap()};
-    View<Sensors> view = core_.view_of(frame, !initialization_.has_started());
-    initialization_.dead_reckon(core_, view);
-    if (!initialization_.has_first_view()) {
-      recovery_.start(core_, initialization_, view);
-    } else if (initialization_.is_rejected()) {
-      recovery_.reset(core_, initialization_, view);
+    View<Sensors> view = begin_frame(frame);
+    const int previous_keyframe = window_.begin_frame();
+    if (initialization_.is_rejected()) {
+      reset(view, TrackingEvent::initialization_rejected);
+    } else if (!status_.has_first_view()) {
+      initialize(view);
     } else {
-      const Predicted predicted = core_.predict(view);
-      if (!initialization_.has_map()) {
-        initialization_.find_second_view(core_, view, predicted.state);
+      const Predicted predicted = predict(view);
+      if (status_.has_landmarks()) {
+        track(view, predicted, previous_keyframe, stage);
+        initialization_.verify_scale(view, motion_, report_.reason == HealthReason::imu_disagrees);
       } else {
-        track(view, predicted, stage);
-        initialization_.verify_scale(core_, view);
+        initialization_.find_second_view(view, predicted.state, components());
       }
     }
-    task_.end_frame(core_, view);
+    navigation_.set_time(view.t_ns);
+    publisher_.publish(navigation_, rig_state_, report_, status_, initialization_.is_scale_converged(),
+                       window_.is_latest_keyframe() || task_.is_planned());
+    task_.end_frame(components(), view);
     timing_.total = whole.lap();
     return latest();
   }
 
   /// The estimate of the last frame.
-  const Estimate<S>& latest() const { return task_.latest(core_); }
+  const Estimate<S>& latest() const { return publisher_.latest(); }
   const FrameTiming& timing() const { return timing_; }
+  TrackingState tracking_state() const { return status_.state(); }
   /// Stage of the initialization, with its figures.
   const InitReport& init_report() const { return initialization_.report(); }
 
-  const Sensors& rig() const { return core_.rig; }
+  const Sensors& rig() const { return rig_; }
 
-  /// Waits until the keyframe task is done. The three accessors below, which read what it writes, do so themselves, as
-  /// does the next frame.
+  /// Waits until the keyframe task is done. The accessors below that read what it writes do so themselves, as does the
+  /// next frame.
   void wait() const { task_.wait(); }
-  const Landmarks& landmarks() const { return wait(), core_.landmarks; }
-  const Backend& backend() const { return wait(), core_.backend; }
-  const Map& map() const { return wait(), core_.map; }
-
-  const RigState<Sensors>& rig_state() const { return core_.rig_state; }
+  const Landmarks& landmarks() const { return wait(), window_.landmarks(); }
+  const Backend& backend() const { return wait(), window_.backend(); }
+  const Map& map() const { return wait(), window_.map(); }
+  /// Calibration as estimated so far. Of a rolling shutter the task estimates the readout time, so it is waited for.
+  const RigState<Sensors>& rig_state() const {
+    if constexpr (Sensors::rolls) wait();
+    return rig_state_;
+  }
   template <InertialRig R = Sensors>
   const ImuBuffer<>& imu() const {
-    return core_.motion.imu().buffer();
+    return motion_.imu().buffer();
   }
   /// The filter that estimates time offset and extrinsic rotation before initialization.
   template <InertialRig R = Sensors>
   const CameraImuFilter& camera_imu() const {
-    return core_.motion.camera_imu();
+    return motion_.camera_imu();
   }
   /// Whether the body is stationary, by images and IMU.
   template <InertialRig R = Sensors>
   bool is_stationary() const {
-    return core_.motion.is_stationary();
+    return motion_.is_stationary();
   }
 
  private:
-  void track(View<Sensors>& view, const Predicted& predicted, Stopwatch<TimeSource>& stage) {
-    const bool can_predict = core_.motion.can_propagate() || !Core::Motion::has_imu_factors;
-    if (can_predict && core_.images.repeats() && !core_.motion.can_be_stationary(view.t_ns))
-      return recovery_.recover(core_, initialization_, view, predicted.state, HealthReason::images_repeat);
+  Components<Parts, Map> components() {
+    return {tracker_, window_, motion_, rig_state_, navigation_, report_, status_};
+  }
+
+  /// Takes the frame in: the calibration in force from now on, the IMU samples since the previous frame, its view.
+  View<Sensors> begin_frame(const Frame& frame) {
+    const S dt = S(seconds_between(navigation_.t_ns(), frame.t_ns));
+    const State latest = window_.frames().latest();
+    motion_.calibrate(rig_state_, window_.frames());
+    motion_.begin_frame(frame.t_ns, has_frames_ ? &latest : nullptr, dt);
+    View<Sensors> view =
+        tracker_.images().view(rig_, frame, motion_.T_body_cam(rig_state_.T_body_cam()), rig_state_.readout(), dt);
+    set_shutter_motion(view, motion_, latest, window_.mean_depth());
+    initialization_.dead_reckon(motion_, dt);
+    has_frames_ = true;
+    report_ = {};
+    return view;
+  }
+
+  /// Predicts the state of the frame, and from it the motion during its readout.
+  Predicted predict(View<Sensors>& view) {
+    const auto align_motion = [&](const SE3<S>& guess) {
+      return tracker_.images().align_motion(view, guess, window_.mean_depth(), tracker_.is_after_gap(view.t_ns));
+    };
+    const Predicted predicted =
+        motion_.predict(window_.frames().latest(), view, S(tracker_.outage_s(view.t_ns)), align_motion);
+    set_shutter_motion(view, motion_, predicted.state, window_.mean_depth());
+    return predicted;
+  }
+
+  /// Tracks the frame's features and solves for its state; `previous_keyframe` is the slot of the previous frame if that
+  /// is a keyframe, else -1.
+  void track(View<Sensors>& view, const Predicted& predicted, int previous_keyframe, Stopwatch<TimeSource>& stage) {
+    const bool can_predict = motion_.can_propagate() || !Motion::has_imu_factors;
+    if (can_predict && tracker_.images().repeats() && !motion_.can_be_stationary(view.t_ns))
+      return bridge(view, predicted.state, HealthReason::images_repeat);
+    auto& landmarks = window_.landmarks();
     SE3<S> T = predicted.state.T_world_body;
-    core_.front_ends.align(view, core_.window(), core_.landmarks, predicted.prior, T);
+    tracker_.front_ends().align(view, window_.frames(), landmarks, predicted.prior, T);
     timing_.align = stage.lap();
-    HealthReason failure = core_.follow(view, predicted, T);
+    HealthReason failure = tracker_.follow(view, predicted, motion_, window_.frames(), landmarks, T);
     timing_.follow = stage.lap();
     Covariance covariance;
-    if (failure == HealthReason::none) failure = core_.find_pose(view, predicted, T, covariance);
+    if (failure == HealthReason::none)
+      failure = tracker_.find_pose(view, predicted, motion_, window_.frames(), landmarks, previous_keyframe,
+                                   rig_state_.readout().value_s, T, covariance);
     timing_.estimate = stage.lap();
     if (failure != HealthReason::none) {
-      if (core_.landmarks.seen_count() < core_.options.pose.min_inliers) failure = HealthReason::few_features;
-      recovery_.recover(core_, initialization_, view, predicted.state, failure);
+      bridge(view, predicted.state, landmarks.seen_count() < min_inliers_ ? HealthReason::few_features : failure);
     } else {
-      const State x = core_.motion.update(predicted.state, T, covariance, view);
-      if (core_.motion.is_initialized()) {
-        task_.solve_in_window(core_, view, x);
+      status_.handle(TrackingEvent::pose_found);
+      const State x = motion_.update(predicted.state, T, covariance, view);
+      if (motion_.is_initialized()) {
+        task_.solve_in_window(components(), view, x);
         check_consistency(predicted);
       } else {
-        core_.adopt_pose(view, x, covariance);
-        const bool ready_to_align = initialization_.add_pose(core_, view, covariance),
-                   needed = core_.needs_keyframe(view.t_ns);
-        if (ready_to_align) {
-          core_.make_keyframe(view);
-          initialization_.align(core_, view);
-        } else if (needed) {
-          task_.make_keyframe(core_, view);
-        }
+        accept_alone(view, x, covariance);
       }
-      recovery_.found_pose(core_, view);
+      outage_.found_pose(motion_, view);
     }
     timing_.map = stage.lap();
   }
 
-  /// Adds inflation for unmodeled error to the uncertainty of the world frame: the rotation that a gyroscope bias jump
-  /// may have caused, about any axis since tilt is taken for accelerometer bias; and, while images and IMU disagree,
-  /// the difference between the solved and the predicted pose when it exceeds the gate.
-  void check_consistency(const Predicted& predicted) {
-    const SE3<S>& T = core_.estimate.T_world_body;
-    if (core_.motion.gyro_jump_rotation() > S(0))
-      core_.world_uncertainty.add_rotation_uncertainty(T, core_.motion.gyro_jump_rotation());
-    if (core_.estimate.health.reason == HealthReason::imu_disagrees && !core_.motion.passes_gate(predicted, T))
-      core_.world_uncertainty.inflate(minus(T, predicted.state.T_world_body));
+  /// Accepts the pose of a frame without IMU factors, and makes it a keyframe where one is needed.
+  void accept_alone(const View<Sensors>& view, const State& x, const Covariance& covariance) {
+    window_.frames().set_latest(x);
+    tracker_.images().keep(view, x.T_world_body);
+    window_.accept_latest(motion_, navigation_, report_);
+    // Covariance of the keyframe, carried to this body by the adjoint, plus that of the motion since.
+    navigation_.set_window_covariance(window_.covariance_of(x.T_world_body, covariance));
+    tracker_.locate(view, window_.frames(), window_.landmarks());
+    tracker_.set_usable(view.t_ns);
+    const bool ready_to_align = initialization_.add_pose(view, covariance, components()),
+               needed = window_.needs_keyframe(view, motion_);
+    if (ready_to_align) {
+      window_.make_keyframe(view, tracker_, motion_, rig_state_, navigation_);
+      initialization_.align(view, components());
+    } else if (needed) {
+      task_.make_keyframe(components(), view);
+    }
   }
 
-  Core core_;
-  Initialization<Core, typename Parts::Initializer> initialization_;
-  Recovery<Core, Initialization<Core, typename Parts::Initializer>> recovery_;
+  /// A frame without a pose: its navigation state is propagated or held, or the estimator is reset.
+  void bridge(const View<Sensors>& view, const State& predicted, HealthReason failure) {
+    motion_.mark_lost();
+    status_.handle(failure == HealthReason::images_repeat   ? TrackingEvent::image_unusable
+                   : failure == HealthReason::imu_disagrees ? TrackingEvent::imu_vision_inconsistent
+                                                            : TrackingEvent::no_pose);
+    const bool is_bridged =
+        motion_.can_propagate()
+            ? outage_.propagate(view, failure, predicted, tracker_, window_, motion_, navigation_, report_)
+            : outage_.hold(view, failure, initialization_.lost_frame_limit(max_lost_frames_), tracker_, window_,
+                           navigation_, report_);
+    if (!is_bridged) reset(view, TrackingEvent::outage_too_long);
+  }
+
+  /// Begins a new initialization with this frame, at the pose of the navigation state.
+  void reset(const View<Sensors>& view, TrackingEvent event) {
+    status_.handle(event);
+    if (!Motion::has_imu_factors || motion_.can_propagate()) initialization_.mark_lost(window_.frames(), navigation_);
+    outage_.reset();
+    initialize(view);
+  }
+  void initialize(const View<Sensors>& view) {
+    if (!Motion::has_imu_factors && status_.resets() > 0) {
+      outage_.inflate(view, tracker_, navigation_);
+      initialization_.mark_lost(window_.frames(), navigation_);
+    }
+    initialization_.set_first_view(view, components());
+  }
+
+  /// Adds inflation for unmodeled error to the uncertainty of the world frame: the rotation that a gyroscope bias jump
+  /// may have caused, about any axis since tilt is taken for accelerometer bias; and, while images and IMU disagree, the
+  /// difference between the solved and the predicted pose when it exceeds the gate.
+  void check_consistency(const Predicted& predicted) {
+    const SE3<S>& T = navigation_.T_world_body();
+    if (motion_.gyro_jump_rotation() > S(0))
+      navigation_.world().add_rotation_uncertainty(T, motion_.gyro_jump_rotation());
+    if (report_.reason == HealthReason::imu_disagrees && !motion_.passes_gate(predicted, T))
+      navigation_.world().inflate(minus(T, predicted.state.T_world_body));
+  }
+
+  const Sensors rig_;
+  int max_lost_frames_, min_inliers_;
+  RigState<Sensors> rig_state_;
+  Tracker tracker_;
+  Window window_;
+  Motion motion_;
+  Navigation<S, typename Motion::Layout> navigation_;
+  Initialization<Parts> initialization_;
+  Outage<Parts, Map> outage_;
+  TrackingStatus status_;
+  FrameReport report_;
+  Publisher<S> publisher_;
+  bool has_frames_ = false;
   FrameTiming timing_;
-  [[no_unique_address]] Task task_;  ///< the last member: destroyed first, which waits for the task
+  [[no_unique_address]] KeyframeTask<Parts, Map, ExecutorPolicy> task_;  ///< the last member: destroyed first
 };
 
 }  // namespace plumbline

@@ -5,7 +5,7 @@
 ///   options.points.target_count = 120;
 
 #include "plumbline/backend/keyframe_rule.hpp"
-#include "plumbline/estimator/recovery.hpp"
+#include "plumbline/estimator/recovery_options.hpp"
 #include "plumbline/feature/pose_refinement.hpp"
 #include "plumbline/geometry/pose_ransac.hpp"
 #include "plumbline/state/readout_estimate.hpp"

@@ -99,6 +99,7 @@ class ConstantVelocity {
   static constexpr bool is_initialized() { return false; }
   static constexpr bool is_stationary() { return false; }
   static constexpr bool can_be_stationary(TimeNs /*t_ns*/) { return false; }
+  static constexpr bool detect_stationarity(TimeNs /*t_ns*/, double /*track_px*/) { return false; }
   bool confirm_keyframe(TimeNs, auto&& /*motion_px*/, bool needed) const { return needed; }
   Factor factor(int /*keyframe*/) const { return {}; }
   void begin_factor(const State&) {}

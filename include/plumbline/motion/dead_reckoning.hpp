@@ -53,7 +53,7 @@ class DeadReckoning {
       x = x_;
       x.T_world_body = SE3<S>(R, x_.T_world_body.p());
     }
-    P_ = carried(P_, x_.T_world_body, x.T_world_body);
+    P_ = transported(P_, x_.T_world_body, x.T_world_body);
     x_ = x;
     const S t2_step = since_s_ * since_s_ - before_s * before_s, walk = S(options_.velocity_walk);
     const S rate = S(missing ? options_.lost_rate : options_.rate_error);

@@ -17,7 +17,7 @@ namespace plumbline {
 /// Transports the covariance P [rad, m] of a pose T (right increments) to the pose T_elsewhere of the same rigid body,
 /// Ad P Ad^T of (1).
 template <class S>
-Mat<S, 6, 6> carried(const Mat<S, 6, 6>& P, const SE3<S>& T, const SE3<S>& T_elsewhere) {
+Mat<S, 6, 6> transported(const Mat<S, 6, 6>& P, const SE3<S>& T, const SE3<S>& T_elsewhere) {
   const Mat<S, 6, 6> Ad = (T_elsewhere.inverse() * T).adjoint();
   return Ad * P * Ad.transpose();
 }
@@ -69,7 +69,7 @@ class WorldFrameUncertainty {
     inflated_distance_ += norm(segment<3>(d, 3));
   }
   /// Moves the origin to T and discards the path up to there.
-  void restart_path(const SE3<S>& T) { set(T, carried(P_, T_, T)); }
+  void restart_path(const SE3<S>& T) { set(T, transported(P_, T_, T)); }
   /// Adds uncertainty of position [m] and heading [rad] at T, common to all later poses.
   void add_uncertainty(const SE3<S>& T, S position_sigma, S heading_sigma) {
     refer_to(T);
@@ -86,7 +86,7 @@ class WorldFrameUncertainty {
   }
   /// Covariance of a pose T due to origin and path, to be added to that of the window.
   Covariance at(const SE3<S>& T) const {
-    Covariance P = carried(P_, T_, T);
+    Covariance P = transported(P_, T_, T);
     const S turned = squared(calibration_error_ * angle_ + inflated_angle_);
     const S tilted = has_gravity_ ? squared(inflated_angle_) : turned;
     const S traveled = squared(calibration_error_ * distance_ + inflated_distance_);
@@ -102,7 +102,7 @@ class WorldFrameUncertainty {
  private:
   /// Transports the origin to T.
   void refer_to(const SE3<S>& T) {
-    P_ = carried(P_, T_, T);
+    P_ = transported(P_, T_, T);
     T_ = T;
   }
   static S squared(S x) { return x * x; }

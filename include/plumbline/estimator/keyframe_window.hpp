@@ -1,0 +1,225 @@
+#pragma once
+/// The window of keyframes and its landmarks: which frames enter, which of them stay, and which leave to the map.
+///
+/// A frame without IMU factors enters as a keyframe only. A frame with IMU factors always enters, and is solved for with
+/// the window; unless it becomes a keyframe it is temporary, and is removed without marginalization when the next comes.
+
+#include <type_traits>
+#include <utility>
+
+#include "plumbline/backend/backend.hpp"
+#include "plumbline/backend/keyframe_rule.hpp"
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/time.hpp"
+#include "plumbline/estimator/frame_report.hpp"
+#include "plumbline/estimator/frame_tracker.hpp"
+#include "plumbline/estimator/options.hpp"
+#include "plumbline/estimator/shutter_motion.hpp"
+#include "plumbline/state/navigation.hpp"
+#include "plumbline/state/rig_state.hpp"
+
+namespace plumbline {
+
+template <class Parts, class MapT>
+class KeyframeWindow {
+ public:
+  using Sensors = typename Parts::Sensors;
+  using S = typename Parts::S;
+  using Motion = typename Parts::Motion;
+  using State = typename Motion::State;
+  using Landmarks = typename Parts::Landmarks;
+  using Backend = typename Parts::Backend;
+  using Frames = typename Parts::Window;
+  using Tracker = FrameTracker<Parts>;
+  using Nav = Navigation<S, typename Motion::Layout>;
+  using Covariance = typename Nav::Covariance;
+  static constexpr int none = -1;
+
+  explicit KeyframeWindow(const EstimatorOptions<Parts>& options)
+      : landmarks_(Parts::FrontEnds::make_landmarks(options)),
+        backend_(options.backend, options.motion),
+        rule_(options.keyframe),
+        min_tracked_(2 * options.pose.min_inliers) {}
+
+  Frames& frames() { return backend_.window(); }
+  const Frames& frames() const { return backend_.window(); }
+  Landmarks& landmarks() { return landmarks_; }
+  const Landmarks& landmarks() const { return landmarks_; }
+  Backend& backend() { return backend_; }
+  const Backend& backend() const { return backend_; }
+  const MapT& map() const { return map_; }
+
+  /// Slot of the last keyframe.
+  int keyframe() const { return keyframe_; }
+  /// Whether that is the latest frame.
+  bool is_latest_keyframe() const { return is_latest_keyframe_; }
+  /// A new frame begins, which is no keyframe so far. Returns the slot of the previous frame, -1 if it is no keyframe.
+  int begin_frame() { return std::exchange(is_latest_keyframe_, false) ? keyframe_ : none; }
+  S mean_depth() const { return landmarks_.template mean_depth<S>(); }
+  /// Mean motion of the landmarks in the image since the last keyframe [px], without those that moved more than three
+  /// times the mean: drifting tracks and moving objects.
+  double robust_motion_px() const { return landmarks_.motion_since(keyframe_, 3 * motion_px()); }
+
+  bool needs_keyframe(const View<Sensors>& view, Motion& motion) {
+    const double rad = motion_px() / double(effective_focal_length(view.camera()));
+    const bool needed = rule_.is_keyframe(landmarks_.tracked_count(), tracked_at_keyframe_, rad);
+    return motion.confirm_keyframe(
+        view.t_ns, [&] { return robust_motion_px(); }, needed);
+  }
+
+  /// Removes all landmarks and frames, and inserts the frame as first keyframe at x. Returns its slot.
+  int reset(const View<Sensors>& view, const State& x, Tracker& tracker, const RigState<Sensors>& rig_state) {
+    landmarks_.for_each([](auto& store) { store.clear(); });
+    tracker.front_ends().begin_initialization();
+    temporary_ = none;
+    ReadoutEstimation<Backend>::start(backend_, rig_state);
+    const int slot = backend_.start(view.t_ns, x);
+    frames().set_latest(slot);
+    tracker.front_ends().detect(view, frames(), landmarks_, slot);
+    set_zero(keyframe_covariance_);
+    is_latest_keyframe_ = false;
+    return slot;
+  }
+
+  /// Covariance of the latest pose, which is known with the covariance `relative` with respect to the last keyframe.
+  Covariance covariance_of(const SE3<S>& T_world_body, const Covariance& relative) const {
+    return transported(keyframe_covariance_, frames().T_world_body(keyframe_), T_world_body) + relative;
+  }
+
+  /// Moves the navigation state to the latest frame of the window, and reports what limits its pose.
+  void accept_latest(Motion& motion, Nav& navigation, FrameReport& report) const {
+    const State x = frames().latest();
+    navigation.move_to(x.T_world_body);
+    report.tracked = landmarks_.tracked_count();
+    const bool few = report.tracked < min_tracked_;
+    report.reason = motion.diagnose(backend_.factors(), frames(), few);
+    if (report.reason == HealthReason::none && few) report.reason = HealthReason::few_features;
+    if (motion.is_initialized()) navigation.set_motion(x);
+  }
+
+  /// Inserts the latest frame, which has a pose, as a keyframe.
+  void make_keyframe(const View<Sensors>& view, Tracker& tracker, Motion& motion, RigState<Sensors>& rig_state,
+                     Nav& navigation) {
+    const int slot = backend_.insert(view.t_ns, frames().latest(), motion.factor(keyframe_));
+    tracker.detect(view, frames(), landmarks_, slot, rig_state.readout().value_s);
+    backend_.optimize(view.rig, view.T_body_cam, landmarks_);
+    if (readout_.update(backend_, view, landmarks_, rig_state))
+      backend_.optimize(view.rig, view.T_body_cam, landmarks_);
+    frames().set_latest(slot);
+    adopt_keyframe(view, slot, tracker, motion, navigation);
+    make_room(view);
+  }
+
+  /// Inserts a frame with IMU factors in the state x. Returns whether it is to become a keyframe.
+  bool insert(const View<Sensors>& view, State x, Motion& motion) {
+    const bool was_stationary = motion.is_stationary(), keyframe = needs_keyframe(view, motion);
+    is_stationary_ = was_stationary && motion.is_stationary();
+    was_stationary && !is_stationary_ ? keep_temporary(view) : drop_temporary();
+    if (is_stationary_) x.T_world_body = frames().latest().T_world_body;
+    temporary_ = backend_.insert(view.t_ns, x, motion.factor(keyframe_));
+    return keyframe;
+  }
+  /// Optimizes the window with the frame as a keyframe, or as none; `before` is the state of the previous frame. At rest
+  /// the window is not optimized, so noise does not move the pose.
+  void solve(const View<Sensors>& view, const State& before, bool keyframe, Tracker& tracker, const Motion& motion,
+             RigState<Sensors>& rig_state) {
+    if (keyframe) {
+      tracker.detect(view, frames(), landmarks_, temporary_, rig_state.readout().value_s);
+    } else {
+      landmarks_.for_each([&](auto& store) { store.record(temporary_); });
+    }
+    if (is_stationary_) return frames().set_latest(temporary_);
+    backend_.optimize(view.rig, view.T_body_cam, landmarks_, keyframe);
+    if (keyframe && readout_.update(backend_, view, landmarks_, rig_state))
+      backend_.optimize(view.rig, view.T_body_cam, landmarks_);
+    frames().set_latest(temporary_);
+    if (State solved = frames().latest(); motion.correct(before, solved, view.dt)) frames().set_latest(solved);
+  }
+  /// Sets the covariance of the navigation state, and that of the velocity, to what the window knows of the latest frame.
+  void update_covariance(Motion& motion, Nav& navigation) const {
+    if (is_stationary_) return;
+    using Known = std::conditional_t<HasVelocityCovariance<Backend>, MovingLayout, VisualLayout>;
+    Mat<S, Known::dim, Known::dim> known;
+    if (!backend_.covariance_of_newest(known)) set_identity(known);
+    navigation.set_window_covariance(block<state::Pose::dim, state::Pose::dim>(known, 0, 0));
+    if constexpr (HasVelocityCovariance<Backend>) {
+      motion.set_velocity_covariance(known);
+      motion.set_speed_covariance(known, frames().latest().v_world_body);
+    }
+  }
+  void keep_as_keyframe(const View<Sensors>& view, Tracker& tracker, Motion& motion, Nav& navigation) {
+    adopt_keyframe(view, temporary_, tracker, motion, navigation);
+    temporary_ = none;
+    make_room(view);
+  }
+
+  /// Detects landmarks in the latest frame and makes it a keyframe, if it shows at least `min_landmarks` corners.
+  /// Earlier landmarks are not observed in it. For a frame whose pose is that of the motion model alone.
+  bool restart_tracking(const View<Sensors>& view, int min_landmarks, Tracker& tracker, Motion& motion,
+                        Nav& navigation) {
+    drop_temporary();
+    landmarks_.for_each([](auto& store) { store.clear_current(); });
+    const int slot = backend_.insert(view.t_ns, frames().latest(), motion.factor(keyframe_));
+    tracker.front_ends().detect(view, frames(), landmarks_, slot);
+    if (landmarks_.seen_count() < min_landmarks) {
+      backend_.drop(landmarks_, slot);
+      return false;
+    }
+    frames().set_latest(slot);
+    adopt_keyframe(view, slot, tracker, motion, navigation);
+    make_room(view);
+    return true;
+  }
+
+  /// Makes `slot` the last keyframe.
+  void adopt_keyframe(const View<Sensors>& view, int slot, Tracker& tracker, Motion& motion, Nav& navigation) {
+    const State x = frames().latest();
+    tracker.images().keep(view, x.T_world_body);
+    keyframe_ = slot;
+    tracked_at_keyframe_ = landmarks_.tracked_count();
+    motion.begin_factor(x);
+    is_latest_keyframe_ = true;
+    const bool has_covariance = backend_.covariance_of_newest(keyframe_covariance_);
+    if (Motion::has_imu_factors && !motion.is_initialized()) return;  // its world frame is not that of the navigation
+    navigation.set_pose(x.T_world_body);
+    if (has_covariance) navigation.set_window_covariance(keyframe_covariance_);
+    if constexpr (Motion::has_imu_factors && !HasVelocityCovariance<Backend>) {
+      Mat<S, MovingLayout::dim, MovingLayout::dim> known;
+      if (backend_.covariance_of_keyframe(known)) motion.set_speed_covariance(known, x.v_world_body);
+    }
+  }
+
+ private:
+  double motion_px() const { return landmarks_.motion_since(keyframe_); }
+  /// Retires a keyframe from a full window, so that there is a slot for the next frame.
+  void make_room(const View<Sensors>& view) {
+    if (!frames().full()) return;
+    // The oldest one, where neighbors in time are connected: by scale without depth, by IMU factors.
+    constexpr bool in_order = Motion::has_imu_factors || !Sensors::has_depth;
+    const int slot = KeyframeRule::leaving(frames(), mean_depth(), in_order);
+    backend_.retire(view.rig, view.T_body_cam, landmarks_, slot, map_);
+  }
+  void drop_temporary() {
+    if (temporary_ != none) backend_.drop(landmarks_, std::exchange(temporary_, none));
+  }
+  /// Makes the last stationary frame a keyframe, so that the next frames have a factor to its zero velocity.
+  void keep_temporary(const View<Sensors>& view) {
+    if (temporary_ != none) keyframe_ = std::exchange(temporary_, none);
+    make_room(view);
+  }
+
+  Landmarks landmarks_;
+  Backend backend_;
+  [[no_unique_address]] MapT map_;
+  KeyframeRule rule_;
+  [[no_unique_address]] ReadoutEstimation<Backend> readout_;
+  int keyframe_ = 0,
+      temporary_ = none;  ///< slots of the last keyframe, and of the latest frame unless it is a keyframe
+  int min_tracked_;       ///< fewer landmarks in a frame are few
+  int tracked_at_keyframe_ = 0;
+  bool is_stationary_ = false;  ///< the body is at rest, in this frame and the previous one
+  bool is_latest_keyframe_ = false;
+  Covariance keyframe_covariance_ = zeros<Covariance>();
+};
+
+}  // namespace plumbline
