@@ -590,6 +590,19 @@ TEMPLATE_TEST_CASE("inertial: diagnoses its samples", "", float, double) {
   x.v_world_body.x() += S(2);
   window.state(second) = typename Window<S>::State(x);
   CHECK(drive.motion->diagnose(*factors, window, false) == HealthReason::imu_disagrees);
+  CHECK(drive.motion->is_inconsistent());
+  // A saturated or missing IMU is the reason that is given, and hides no contradiction.
+  drive.advance_with([](ImuSample& sample) { sample.accel.x() = 1e3; });
+  CHECK(drive.motion->diagnose(*factors, window, false) == HealthReason::imu_saturated);
+  CHECK(drive.motion->is_inconsistent());
+  drive.found();
+  drive.advance(false);
+  CHECK(drive.motion->diagnose(*factors, window, false) == HealthReason::no_imu_data);
+  CHECK(drive.motion->is_inconsistent());
+  x.v_world_body.x() -= S(2);
+  window.state(second) = typename Window<S>::State(x);
+  drive.motion->diagnose(*factors, window, false);
+  CHECK_FALSE(drive.motion->is_inconsistent());
 }
 
 TEMPLATE_TEST_CASE("inertial: a reset keeps the biases alone", "", float, double) {

@@ -88,7 +88,7 @@ class Estimator {
       const Predicted predicted = predict(view);
       if (status_.has_landmarks()) {
         track(view, predicted, previous_keyframe, stage);
-        initialization_.verify_scale(view, motion_, report_.reason == HealthReason::imu_disagrees);
+        initialization_.verify_scale(view, motion_, report_.is_inconsistent);
       } else {
         initialization_.find_second_view(view, predicted.state, components());
       }
@@ -255,7 +255,7 @@ class Estimator {
     const SE3<S>& T = navigation_.T_world_body();
     if (motion_.gyro_jump_rotation() > S(0))
       navigation_.world().add_rotation_uncertainty(T, motion_.gyro_jump_rotation());
-    if (report_.reason == HealthReason::imu_disagrees && !motion_.passes_gate(predicted, T))
+    if (report_.is_inconsistent && !motion_.passes_gate(predicted, T))
       navigation_.world().inflate(minus(T, predicted.state.T_world_body));
   }
 

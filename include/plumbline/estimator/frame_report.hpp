@@ -10,6 +10,8 @@ struct FrameReport {
   int tracked = 0;
   /// Why there is no pose, or what limits it; `none` for a good one.
   HealthReason reason = HealthReason::none;
+  /// Whether images and IMU contradict each other, whatever the reason is.
+  bool is_inconsistent = false;
   /// Before initialization: the pose is metric nevertheless, that of a stationary body, or of an uncertain scale.
   bool has_metric_pose = false;
   /// In an outage: the pose is held or propagated, and for no longer than the estimator bridges.

@@ -93,6 +93,7 @@ class KeyframeWindow {
     report.tracked = landmarks_.tracked_count();
     const bool few = report.tracked < min_tracked_;
     report.reason = motion.diagnose(backend_.factors(), frames(), few);
+    report.is_inconsistent = motion.is_inconsistent();
     if (report.reason == HealthReason::none && few) report.reason = HealthReason::few_features;
     if (motion.is_initialized()) navigation.set_motion(x);
   }

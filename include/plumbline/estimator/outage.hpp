@@ -89,6 +89,7 @@ class Outage {
     window.accept_latest(motion, navigation, report);
     navigation.set_covariance(covariance);
     report.tracked = 0;
+    report.is_inconsistent = contradicts_imu;
     if (is_stationary) tracker.set_usable(view.t_ns);
     imu_only_s_ = is_stationary ? 0 : imu_only_s_ + double(view.dt);
     report.is_bridged = imu_only_s_ < options_.max_imu_only_s;

@@ -103,6 +103,7 @@ class ConstantVelocity {
   bool confirm_keyframe(TimeNs, auto&& /*motion_px*/, bool needed) const { return needed; }
   Factor factor(int /*keyframe*/) const { return {}; }
   void begin_factor(const State&) {}
+  static constexpr bool is_inconsistent() { return false; }
   HealthReason diagnose(const auto& /*factors*/, const auto& /*window*/, bool /*few_features*/) const {
     return HealthReason::none;
   }

@@ -261,8 +261,11 @@ class Inertial {
     // Clipping at a full scale near gravity has the effect of a bias on later samples.
     const bool saturates_at_gravity = imu_.buffer().accel_full_scale() < options_.min_full_scale * options_.gravity;
     if (imu_.coverage().saturated_s > 0 || saturates_at_gravity) return HealthReason::imu_saturated;
-    if (gyro_check_.has_recent_jump() || accel_check_.is_suspect()) return HealthReason::imu_disagrees;
-    return factors_disagree_ ? HealthReason::imu_disagrees : HealthReason::none;
+    return is_inconsistent() ? HealthReason::imu_disagrees : HealthReason::none;
+  }
+  /// Whether images and IMU are inconsistent, by the last diagnosis, also where its reason is another one.
+  bool is_inconsistent() const {
+    return factors_disagree_ || gyro_check_.has_recent_jump() || accel_check_.is_suspect();
   }
 
   /// Whether the body has been stationary since the last keyframe, by images and IMU. The limits have hysteresis.

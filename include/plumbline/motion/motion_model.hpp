@@ -18,6 +18,7 @@
 ///   begin_factor        starts a new factor at the latest frame
 ///   confirm_keyframe    whether the frame becomes a keyframe, from the mean motion of its landmarks [px] and the rule
 ///   diagnose            the reason for degraded health, by the motion sensors
+///   is_inconsistent     whether images and motion sensors contradict each other, whatever that reason is
 
 #include <concepts>
 
