@@ -89,7 +89,7 @@ class StructureBackend {
 
   /// A frame leaves without a trace but what the map keeps of it.
   void retire(const Sensors&, const pl::SE3<S>&, Landmarks& landmarks, int slot, auto& map) {
-    map.retire(pl::Retired<State, Landmarks>(slot, window_[slot], landmarks));
+    map.on_retired(pl::Retired<State, Landmarks>(slot, window_[slot], landmarks));
     drop(landmarks, slot);
   }
 

@@ -178,7 +178,7 @@ void print_timing(std::ostream& out, const json& comparison) {
         s.wall_max_ms.empty() ? "-" : format("%.1f", *std::max_element(s.wall_max_ms.begin(), s.wall_max_ms.end()));
     return milliseconds(s.ms) + " | " + milliseconds(s.wall_ms) + " | " + milliseconds(s.wall_p99_ms) + " | " + longest;
   });
-  out << wrapped("Milliseconds of a frame in the estimator, without the reading of images, medians of " +
+  out << wrapped("Milliseconds of a frame in the estimator, without the decoding of images, medians of " +
                  text_of_runs(comparison) +
                  "; longest: of all runs. CPU: time of the processor; the other columns are elapsed time. " +
                  text_of_machines(comparison) + ".");

@@ -149,7 +149,7 @@ void DebugReport::add_row(std::size_t number, pl::TimeNs t_ns, const FrameOutput
 
 void DebugReport::add_inertial(const InertialInspection& inertial) {
   const pl::ImuCoverage& coverage = inertial.coverage;
-  frames_.set("is_stationary", inertial.is_stationary);
+  frames_.set("at_rest", inertial.is_stationary);
   const auto since_last = [&](double value) { return before_ ? value : unknown; };
   frames_.set("imu_missing", since_last(coverage.missing()));
   frames_.set("imu_gap_s", since_last(coverage.gap_s));

@@ -59,13 +59,16 @@ struct CountingMap {
     int retired = 0, landmarks = 0;
     std::array<std::byte, 4096 - 2 * sizeof(int)> bytes{};
 
-    void retire(const auto& frame) {
+    explicit Counter(const auto& /*options*/) {}
+    static void on_keyframe(const auto& /*keyframe*/) {}
+    static void on_world_change(const auto& /*change*/) {}
+    void on_retired(const auto& frame) {
       ++retired;
       frame.for_each_landmark([&](const auto&, const auto&) { ++landmarks; });
     }
-    static SE3<S> T_map_odom() { return {}; }
+    static SE3<S> T_map_world() { return {}; }
   };
-  template <class Sensors>
+  template <class Parts>
   using Map = Counter;
 };
 
@@ -196,17 +199,16 @@ TEST_CASE("absence: an estimator is the sum of its parts, and a map that keeps n
   for_each_combination([]<bool imu, bool depth, bool rolls, bool lines>() {
     using Parts = PartsOf<imu, depth, rolls, lines>;
     using Vio = VioOf<imu, depth, rolls, lines>;
+    using Discard = NoMap::Discard<S>;
     constexpr std::size_t parts =
-        sizeof(typename Parts::Sensors) + sizeof(EstimatorOptions<Parts>) + sizeof(RigState<typename Parts::Sensors>) +
-        sizeof(ImagePair<typename Parts::Sensors>) + sizeof(typename Parts::Landmarks) +
-        sizeof(typename Parts::FrontEnds) + sizeof(typename Parts::Motion) + sizeof(typename Parts::Backend) +
-        sizeof(PoseRefinement<typename Parts::Sensors, typename Parts::Landmarks>) +
-        sizeof(typename Parts::Initializer) + sizeof(Estimate<S>);
-    std::printf("SLACK %zu\n", sizeof(Vio) - parts);
-    STATIC_REQUIRE(sizeof(Vio) > parts);
+        sizeof(typename Parts::Sensors) + sizeof(RigState<typename Parts::Sensors>) + sizeof(FrameTracker<Parts>) +
+        sizeof(typename Parts::Landmarks) + sizeof(typename Parts::Backend) + sizeof(typename Parts::Motion) +
+        sizeof(Initialization<Parts>) + sizeof(Navigation<S, typename Parts::Motion::Layout>) +
+        sizeof(Outage<Parts, Discard>) + sizeof(Publisher<S>) + sizeof(FrameTiming);
+    STATIC_REQUIRE(sizeof(Vio) <= parts + 512);  // alignment, the keyframe's covariance, some counters
     // To the byte, with a map that keeps every alignment.
     using WithMap = Estimator<RigOf<imu, depth, rolls>, FeaturesOf<lines>, SlidingWindow<slots>, NoClock, CountingMap>;
-    STATIC_REQUIRE(sizeof(WithMap) == sizeof(Vio) + sizeof(typename CountingMap::Map<RigOf<imu, depth, rolls>>));
+    STATIC_REQUIRE(sizeof(WithMap) == sizeof(Vio) + sizeof(CountingMap::Counter));
   });
 }
 
@@ -240,7 +242,8 @@ TEST_CASE("absence: a map that is there gets every frame that leaves, and its by
         vo->add_frame({t_ns, {gray.data(), 160, 128, 160}, {depth.data(), 160, 128, 160}});
     REQUIRE(estimate);
     CAPTURE(i);
-    REQUIRE(estimate->health.state == HealthState::tracking);
+    REQUIRE((estimate->health.state == HealthState::tracking ||
+             estimate->health.reason == HealthReason::few_features));  // so small an image may have few
     keyframes += estimate->keyframe;
     const auto& window = vo->backend().window();
     REQUIRE(map->retired + window.size() == keyframes);

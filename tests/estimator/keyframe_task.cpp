@@ -173,6 +173,7 @@ void require_same_whenever() {
   REQUIRE(error_of(at_once, T_body_cam) < 0.03);
   require_equal(at_once, run_at(When::at_the_next_wait));
   for (int i = 0; i < 3; ++i) require_equal(at_once, run_at(When::on_a_thread));
+  require_equal(at_once, run(*make<Odometer<Inertial, Backend, SynchronousExecutor>>()));
 }
 
 }  // namespace
@@ -201,17 +202,20 @@ TEST_CASE("keyframe_task: the output is read after the task, the estimator ends 
   REQUIRE(vo->backend().window().size() >= 3);
 }
 
-TEST_CASE("keyframe_task: the synchronous executor has no task") {
+TEST_CASE("keyframe_task: the synchronous executor stores no frame") {
   using Vo = Odometer<NoImu, SlidingWindow<5>, SynchronousExecutor>;
   using Parts = Composition<Sensors<NoImu>, Features<Points<150>>, SlidingWindow<5>>;
   using Discard = NoMap::Discard<double>;
-  STATIC_REQUIRE(std::is_empty_v<KeyframeTask<Parts, Discard, SynchronousExecutor>>);
+  // Two states and a flag, and no copy of images.
+  STATIC_REQUIRE(sizeof(KeyframeTask<Parts, Discard, SynchronousExecutor>) <=
+                 2 * sizeof(typename Parts::Motion::State) + 16);
   STATIC_REQUIRE(std::is_trivially_destructible_v<Vo>);
   constexpr std::size_t components = sizeof(typename Parts::Sensors) + sizeof(RigState<typename Parts::Sensors>) +
                                      sizeof(FrameTracker<Parts>) + sizeof(KeyframeWindow<Parts, Discard>) +
                                      sizeof(typename Parts::Motion) + sizeof(Initialization<Parts>) +
                                      sizeof(Outage<Parts, Discard>) + sizeof(Publisher<double>) +
-                                     sizeof(Navigation<double, VisualLayout>) + sizeof(FrameTiming);
+                                     sizeof(Navigation<double, VisualLayout>) + sizeof(FrameTiming) +
+                                     sizeof(KeyframeTask<Parts, Discard, SynchronousExecutor>);
   STATIC_REQUIRE(sizeof(Vo) <= components + 6 * alignof(Vo));  // some counters
   STATIC_REQUIRE(!std::is_copy_constructible_v<Odometer<NoImu, SlidingWindow<5>, BackgroundWorker>>);
 }

@@ -186,7 +186,7 @@ class WindowBackend {
   /// Marginalizes the frame in `slot`, all landmarks anchored in it and its observations of others into the prior on
   /// the frames that stay, and hands frame and landmarks to the map.
   void retire(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks, int slot, auto& map) {
-    map.retire(Retired<State, Landmarks>(slot, window_[slot], landmarks));
+    map.on_retired(Retired<State, Landmarks>(slot, window_[slot], landmarks));
     views_.update(window_, T_body_cam);
     begin_linearization();
     prior_.begin_retirement(window_);

@@ -10,6 +10,8 @@
 /// through depends on the tracking state (tracking_state.hpp); initialization is in initialization/, frames without a
 /// pose are in outage.hpp. Same input, same output, bit for bit, with any executor (executor.hpp).
 
+#include <utility>
+
 #include "plumbline/core/result.hpp"
 #include "plumbline/estimator/clock.hpp"
 #include "plumbline/estimator/components.hpp"
@@ -33,7 +35,7 @@ template <class Sensors, class FeatureSet, class BackendPolicy, Clock TimeSource
 class Estimator {
   static_assert(SensorRig<Sensors>, "plumbline: argument 1 must be a rig, e.g. Rig<Rgbd<Pinhole<float>>>");
   using Parts = Composition<Sensors, FeatureSet, BackendPolicy>;
-  using Map = typename MapPolicy::template Map<Sensors>;
+  using Map = typename MapPolicy::template Map<Parts>;
   using Motion = typename Parts::Motion;
   using State = typename Motion::State;
   using Window = KeyframeWindow<Parts, Map>;
@@ -66,7 +68,7 @@ class Estimator {
   /// instantiation, whatever its requires-clause.)
   template <InertialRig R = Sensors>
   Result<typename ImuBuffer<>::Accepted> add_imu(const ImuSample& sample) {
-    const State latest = task_.latest_state(window_.frames());
+    const State latest = task_.latest_state();
     return motion_.imu().add(sample, has_frames_ ? &latest : nullptr);
   }
 
@@ -80,7 +82,9 @@ class Estimator {
     timing_ = {.pyramid = stage.lap()};
     View<Sensors> view = begin_frame(frame);
     const int previous_keyframe = window_.begin_frame();
-    if (initialization_.is_rejected()) {
+    if (std::exchange(reset_requested_, false) && status_.has_first_view()) {
+      reset(view, TrackingEvent::reset_requested);
+    } else if (initialization_.is_rejected()) {
       reset(view, TrackingEvent::initialization_rejected);
     } else if (!status_.has_first_view()) {
       initialize(view);
@@ -100,6 +104,9 @@ class Estimator {
     timing_.total = whole.lap();
     return latest();
   }
+
+  /// The next frame begins a new initialization, at the pose that is estimated then.
+  void request_reset() { reset_requested_ = true; }
 
   /// The estimate of the last frame.
   const Estimate<S>& latest() const { return publisher_.latest(); }
@@ -236,6 +243,7 @@ class Estimator {
   /// Begins a new initialization with this frame, at the pose of the navigation state.
   void reset(const View<Sensors>& view, TrackingEvent event) {
     status_.handle(event);
+    if (event == TrackingEvent::initialization_rejected) window_.reject_map();
     if (!Motion::has_imu_factors || motion_.can_propagate()) initialization_.mark_lost(window_.frames(), navigation_);
     outage_.reset();
     initialize(view);
@@ -271,7 +279,7 @@ class Estimator {
   TrackingStatus status_;
   FrameReport report_;
   Publisher<S> publisher_;
-  bool has_frames_ = false;
+  bool has_frames_ = false, reset_requested_ = false;
   FrameTiming timing_;
   [[no_unique_address]] KeyframeTask<Parts, Map, ExecutorPolicy> task_;  ///< the last member: destroyed first
 };

@@ -4,6 +4,7 @@
 /// A frame without IMU factors enters as a keyframe only. A frame with IMU factors always enters, and is solved for with
 /// the window; unless it becomes a keyframe it is temporary, and is removed without marginalization when the next comes.
 
+#include <cstdint>
 #include <type_traits>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "plumbline/estimator/frame_tracker.hpp"
 #include "plumbline/estimator/options.hpp"
 #include "plumbline/estimator/shutter_motion.hpp"
+#include "plumbline/map/map.hpp"
 #include "plumbline/state/navigation.hpp"
 #include "plumbline/state/rig_state.hpp"
 
@@ -22,6 +24,9 @@ namespace plumbline {
 
 template <class Parts, class MapT>
 class KeyframeWindow {
+  static_assert(Map<MapT, typename Parts::Sensors, typename Parts::Motion::State, typename Parts::Landmarks>,
+                "plumbline: a map has on_keyframe, on_retired, on_world_change and T_map_world, see map/map.hpp");
+
  public:
   using Sensors = typename Parts::Sensors;
   using S = typename Parts::S;
@@ -34,10 +39,12 @@ class KeyframeWindow {
   using Nav = Navigation<S, typename Motion::Layout>;
   using Covariance = typename Nav::Covariance;
   static constexpr int none = -1;
+  static constexpr double drift_ratio = 3;  ///< of a drifting track to the mean motion; tuned: docs/decisions/011
 
   explicit KeyframeWindow(const EstimatorOptions<Parts>& options)
       : landmarks_(Parts::FrontEnds::make_landmarks(options)),
         backend_(options.backend, options.motion),
+        map_(options),
         rule_(options.keyframe),
         min_tracked_(2 * options.pose.min_inliers) {}
 
@@ -58,7 +65,7 @@ class KeyframeWindow {
   S mean_depth() const { return landmarks_.template mean_depth<S>(); }
   /// Mean motion of the landmarks in the image since the last keyframe [px], without those that moved more than three
   /// times the mean: drifting tracks and moving objects.
-  double robust_motion_px() const { return landmarks_.motion_since(keyframe_, 3 * motion_px()); }
+  double robust_motion_px() const { return landmarks_.motion_since(keyframe_, drift_ratio * motion_px()); }
 
   bool needs_keyframe(const View<Sensors>& view, Motion& motion) {
     const double rad = motion_px() / double(effective_focal_length(view.camera()));
@@ -69,6 +76,8 @@ class KeyframeWindow {
 
   /// Removes all landmarks and frames, and inserts the frame as first keyframe at x. Returns its slot.
   int reset(const View<Sensors>& view, const State& x, Tracker& tracker, const RigState<Sensors>& rig_state) {
+    if (!std::exchange(is_rejected_, false)) hand_over();
+    map_.on_world_change(WorldChange<S>{WorldChange<S>::Kind::reset});
     landmarks_.for_each([](auto& store) { store.clear(); });
     tracker.front_ends().begin_initialization();
     temporary_ = none;
@@ -180,6 +189,7 @@ class KeyframeWindow {
     tracked_at_keyframe_ = landmarks_.tracked_count();
     motion.begin_factor(x);
     is_latest_keyframe_ = true;
+    learn(slot, view.current, view.T_body_cam);
     const bool has_covariance = backend_.covariance_of_newest(keyframe_covariance_);
     if (Motion::has_imu_factors && !motion.is_initialized()) return;  // its world frame is not that of the navigation
     navigation.set_pose(x.T_world_body);
@@ -190,7 +200,22 @@ class KeyframeWindow {
     }
   }
 
+  /// Poses are in another world and unit from now on, x_new = S_new_old x_old.
+  void transform_map(const Sim3<S>& S_new_old) {
+    map_.on_world_change(WorldChange<S>{WorldChange<S>::Kind::transformed, S_new_old});
+  }
+  /// The initialization was wrong: what the map learned of this world is wrong, and so is the window until its reset.
+  void reject_map() {
+    map_.on_world_change(WorldChange<S>{WorldChange<S>::Kind::rejected});
+    is_rejected_ = true;
+  }
+
  private:
+  /// Tells the map of a keyframe, once: the last one of an initialization is adopted twice.
+  void learn(int slot, const RigPyramid<Sensors>& image, const SE3<S>& T_body_cam) {
+    if (std::exchange(learned_, frames()[slot].sequence) == frames()[slot].sequence) return;
+    map_.on_keyframe(AdoptedKeyframe<State, Sensors, Landmarks>(slot, frames()[slot], image, T_body_cam, landmarks_));
+  }
   double motion_px() const { return landmarks_.motion_since(keyframe_); }
   /// Retires a keyframe from a full window, so that there is a slot for the next frame.
   void make_room(const View<Sensors>& view) {
@@ -200,12 +225,31 @@ class KeyframeWindow {
     const int slot = KeyframeRule::leaving(frames(), mean_depth(), in_order);
     backend_.retire(view.rig, view.T_body_cam, landmarks_, slot, map_);
   }
+  /// Hands all keyframes of the window to the map, from the oldest to the newest, before they are removed.
+  void hand_over() {
+    if constexpr (std::is_empty_v<MapT>) return;
+    std::uint32_t last = 0;
+    for (;;) {
+      int next = none;
+      for (int slot = 0; slot < Frames::slots; ++slot) {
+        const auto& frame = frames()[slot];
+        if (!frame.used || slot == temporary_ || frame.sequence <= last) continue;
+        if (next == none || frame.sequence < frames()[next].sequence) next = slot;
+      }
+      if (next == none) break;
+      last = frames()[next].sequence;
+      map_.on_retired(Retired<State, Landmarks>(next, frames()[next], landmarks_));
+    }
+  }
   void drop_temporary() {
     if (temporary_ != none) backend_.drop(landmarks_, std::exchange(temporary_, none));
   }
   /// Makes the last stationary frame a keyframe, so that the next frames have a factor to its zero velocity.
   void keep_temporary(const View<Sensors>& view) {
-    if (temporary_ != none) keyframe_ = std::exchange(temporary_, none);
+    if (temporary_ != none) {
+      keyframe_ = std::exchange(temporary_, none);
+      learn(keyframe_, view.previous, view.T_body_cam);
+    }
     make_room(view);
   }
 
@@ -216,10 +260,12 @@ class KeyframeWindow {
   [[no_unique_address]] ReadoutEstimation<Backend> readout_;
   int keyframe_ = 0,
       temporary_ = none;  ///< slots of the last keyframe, and of the latest frame unless it is a keyframe
-  int min_tracked_;       ///< fewer landmarks in a frame are few
+  int min_tracked_;       ///< fewer landmarks in a frame are few; tuned: docs/decisions/131 (chosen)
   int tracked_at_keyframe_ = 0;
   bool is_stationary_ = false;  ///< the body is at rest, in this frame and the previous one
   bool is_latest_keyframe_ = false;
+  bool is_rejected_ = false;   ///< the initialization of this window
+  std::uint32_t learned_ = 0;  ///< sequence of the keyframe that the map was told of last
   Covariance keyframe_covariance_ = zeros<Covariance>();
 };
 

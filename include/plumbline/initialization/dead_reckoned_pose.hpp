@@ -9,6 +9,7 @@
 #include "plumbline/core/time.hpp"
 #include "plumbline/imu/gravity.hpp"
 #include "plumbline/lie/se3.hpp"
+#include "plumbline/lie/sim3.hpp"
 #include "plumbline/motion/dead_reckoning.hpp"
 #include "plumbline/state/world_frame_uncertainty.hpp"
 
@@ -86,6 +87,13 @@ class DeadReckonedPose {
     x.T_world_body = T_world_initial_ * x.T_world_body;
     return x;
   }
+  /// From coordinates of vision to those of the world of the navigation: x_world = S x_vision, by which state_of maps the
+  /// camera.
+  Sim3<S> similarity(const auto& initializer, const SE3<S>& T_body_cam) const {
+    const State origin = state_of(initializer, SE3<S>(), T_body_cam);
+    const SE3<S> T_world_cam = origin.T_world_body * T_body_cam;
+    return Sim3<S>(initializer.scale(), T_world_cam.rotation() * T_body_cam.rotation().inverse(), T_world_cam.p());
+  }
   /// Initialization is complete: the poses of the window are metric and upright.
   template <class Initializer>
   void set_initialized(const auto& window, const Initializer& initializer, auto& navigation) {
@@ -94,9 +102,10 @@ class DeadReckonedPose {
     navigation.world().restart_path(T);  // the path is metric and upright from here on
     if constexpr (Initializer::needs_second_view) {
       // The path so far has the relative error of the scale, and a heading about an axis that is tilted by
-      // gravity_sigma; half of gravity_sigma is taken for its angle.
+      // gravity_sigma; half of gravity_sigma is taken for its angle; tuned: docs/decisions/132 (chosen).
+      constexpr double heading_per_tilt = 0.5;
       navigation.world().add_uncertainty(T, S(initializer.scale_sigma() * traveled(T)),
-                                         S(0.5 * initializer.gravity_sigma()));
+                                         S(heading_per_tilt * initializer.gravity_sigma()));
     }
   }
 

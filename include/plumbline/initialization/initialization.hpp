@@ -201,6 +201,7 @@ class Initialization {
         frames.set_latest(before);
         return reject(view, on);
       }
+      on.window.transform_map(pose_.similarity(initializer_, T_body_cam));
       on.motion.set_initialized();
       pose_.set_initialized(frames, initializer_, on.navigation);
       finish(view, on);
@@ -226,6 +227,7 @@ class Initialization {
   /// Rejects the initialization and starts another one with this frame.
   void reject(const View<Sensors>& view, auto&& on) {
     ++report_.rejected;
+    on.window.reject_map();
     on.status.handle(TrackingEvent::initialization_rejected);
     set_first_view(view, on);
     report_.stage = InitStage::rejected;
