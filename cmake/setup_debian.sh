@@ -20,7 +20,7 @@ case "${1:-}" in
   test)
     program
     docs
-    packages+=(catch2 ccache libceres-dev libopencv-calib3d-dev libopencv-video-dev libbenchmark-dev pkg-config
+    packages+=(catch2 ccache libceres-dev libopencv-calib3d-dev libopencv-features2d-dev libopencv-video-dev libbenchmark-dev pkg-config
       gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib
       git shellcheck clang libclang-rt-14-dev lld clang-format-14 clang-tidy-14 python3-jsonschema)
     ;;
