@@ -9,8 +9,8 @@
 #   plumbline::io        recordings, calibration, trajectories; yaml-cpp and plumbline::opencv
 
 # Every folder of the firmware headers, in the order in which they may include one another: only upwards.
-set(plumbline_core_folders core lie solver camera geometry imu residual image tracking sensor state feature motion initialization
-    frontend map backend estimator systems)
+set(plumbline_core_folders core lie solver camera geometry imu residual image tracking sensor state feature factor motion
+    initialization frontend map backend estimator systems)
 
 function(plumbline_add_target name)
   cmake_parse_arguments(ARG "" "" "FOLDERS;FILES;EXCEPT;LINK" ${ARGN})

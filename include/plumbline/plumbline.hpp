@@ -9,6 +9,7 @@
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/camera/radtan.hpp"
 #include "plumbline/estimator/estimator.hpp"
+#include "plumbline/factor/absolute_position.hpp"
 #include "plumbline/feature/collinear.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/lines.hpp"

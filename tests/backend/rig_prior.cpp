@@ -51,7 +51,7 @@ TEST_CASE("rig_prior: while the time offset converges the extrinsics are fixed")
     Vec<double, 12 * 15 + 7> step = Vec<double, 12 * 15 + 7>::Zero();
     step[12 * 15 + 6] = later_s;
     window.move(step);
-    prior.watch(window);
+    prior.update_hold(window);
     Equations equations;
     prior.add_to(window, equations);
     return equations.H(0, 0) > 1e9;
@@ -71,7 +71,7 @@ TEST_CASE("rig_prior: while the time offset converges the extrinsics are fixed")
   // But a time offset that had not converged does so first.
   window.clear();
   window.insert(12'000'000'000, {});
-  prior.begin(window, SE3<double>(), {.offset_s = 0.02, .known = false, .in_doubt = true});
+  prior.begin(window, SE3<double>(), {.offset_s = 0.02, .is_known = false, .is_suspect = true});
   CHECK(is_held(12.1, 0));
   CHECK(is_held(12.9, 0));
   CHECK_FALSE(is_held(13.1, 0));
@@ -86,7 +86,7 @@ TEST_CASE("rig_prior: a time offset without a sigma is known") {
   TimeOffsetOptions exact;
   exact.sigma_s = 0;
   RigPrior<InertialLayout> prior({}, exact);
-  prior.begin(window, SE3<double>(), {.known = false});
+  prior.begin(window, SE3<double>(), {.is_known = false});
   CHECK_FALSE(window.estimates_time_offset());
 }
 

@@ -15,8 +15,10 @@
 #include <vector>
 
 #include "feature/seen_lines.hpp"
+#include "plumbline/backend/backend.hpp"
 #include "plumbline/backend/sliding_window.hpp"
 #include "plumbline/camera/pinhole.hpp"
+#include "plumbline/factor/absolute_position.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"
@@ -53,6 +55,9 @@ struct RunOptions {
   int frames_per_keyframe = 5;
   int points = 1200, lines = 300;                         ///< in the world
   std::size_t points_in_sight = 50, lines_in_sight = 15;  ///< are made up to by keyframes
+  /// Of a position measured from outside in every n-th keyframe, as simulated and as claimed [m]; 0: there is none.
+  double sigma_position = 0;
+  int keyframes_per_position = 4;
 };
 
 /// Errors of one frame.
@@ -91,7 +96,8 @@ class BackendRun {
       : options_(options),
         trajectory_(*testing::Trajectory::for_scene("room", seed)),
         imu_(quality(options.noise), seed),
-        noise_(testing::stream_seed(seed, 20)) {
+        noise_(testing::stream_seed(seed, 20)),
+        position_noise_(testing::stream_seed(seed, 26)) {
     window_options_.sigma_first_position = window_options_.sigma_first_rotation = options.noise * options.sigma_first;
     window_options_.extrinsics.rotation_sigma *= options.noise;
     window_options_.extrinsics.position_sigma *= options.noise;
@@ -117,6 +123,7 @@ class BackendRun {
     const bool keyframe = ++frames_ % options_.frames_per_keyframe == 0;
     const int slot = backend_->insert(t_ns_, x, {keyframe_slot_, since_keyframe_, false, false, keyframe_cut_, cut()});
     observe(slot, keyframe);
+    if (frames_ % (options_.keyframes_per_position * options_.frames_per_keyframe) == 0) measure_position(slot);
     backend_->optimize(rig_, T_body_cam(), *landmarks_, keyframe);
     state_ = backend_->window()[slot].state.value();
     locate();
@@ -209,6 +216,8 @@ class BackendRun {
   }
 
   int retirements() const { return retirements_; }
+  /// Positions measured from outside that the backend took.
+  int positions() const { return positions_; }
   const Backend& backend() const { return *backend_; }
   const NavState<S>& state() const { return state_; }
   const testing::SimulatedImu::Measurement& truth() const { return measured_; }
@@ -262,6 +271,18 @@ class BackendRun {
     t_ns_ = TimeNs(measured_.t * 1e9);
   }
 
+  /// Position of an antenna, by backends that take it.
+  void measure_position(int slot) {
+    if constexpr (TakesFactor<Backend, AbsolutePosition<S>>) {
+      if (!(options_.sigma_position > 0)) return;
+      const Vec<double, 3> p_body_antenna{0.2, -0.1, 0.4};
+      const Vec<double, 3> p = T_world_body() * p_body_antenna + options_.sigma_position * position_noise_.vector<3>();
+      const AbsolutePosition<S> factor{p.cast<S>(), Mat<S, 3, 3>::Identity() / S(options_.sigma_position),
+                                       p_body_antenna.cast<S>()};
+      positions_ += backend_->add_factor(slot, factor);
+    }
+  }
+
   void adopt_keyframe(int slot) {
     keyframe_slot_ = slot;
     keyframe_cut_ = cut();
@@ -313,7 +334,7 @@ class BackendRun {
   /// As estimator/initialization.hpp does.
   void begin(auto&& state_of) {
     const InertialInitializer<S, DepthInitializer<S>> start({});
-    backend_->restart(state_of, start.prior_on_biases(), rig_.T_body_cam(), {.known = false});
+    backend_->restart(state_of, start.prior_on_biases(), rig_.T_body_cam(), {.is_known = false});
   }
   void solve(double length) {
     const double sigma = options_.start_scale_sigma * length;
@@ -423,7 +444,7 @@ class BackendRun {
   typename Backend::Options window_options_;
   testing::Trajectory trajectory_;
   testing::SimulatedImu imu_;
-  testing::Gaussian noise_;
+  testing::Gaussian noise_, position_noise_;
   testing::SimulatedPoints points_;
   SimulatedLines lines_;
   Sensors rig_{};
@@ -439,7 +460,7 @@ class BackendRun {
   SE3<double> T_start_;  ///< initial estimate of the first keyframe
   NavState<S> state_;    ///< of the latest frame
   Preintegration<S> since_frame_, since_keyframe_;
-  int keyframe_slot_ = 0, temporary_slot_ = -1, frames_ = 0, retirements_ = 0;
+  int keyframe_slot_ = 0, temporary_slot_ = -1, frames_ = 0, retirements_ = 0, positions_ = 0;
 };
 
 template <class Sensors, int K, class... Kinds>

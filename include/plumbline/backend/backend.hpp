@@ -50,6 +50,12 @@ concept HasVelocityCovariance = HasFrames<B> && B::Layout::template has<state::V
   { known.covariance_of_newest(covariance) } -> std::same_as<bool>;
 };
 
+/// A backend to whose frames factors of type G can be attached; false when this one is refused.
+template <class B, class G>
+concept TakesFactor = HasFrames<B> && requires(B& backend, const G& factor) {
+  { backend.add_factor(0, factor) } -> std::same_as<bool>;
+};
+
 /// A backend that estimates the readout time of a rolling shutter; with others it keeps its calibrated value.
 template <class B>
 concept EstimatesReadout = HasFrames<B> &&

@@ -10,6 +10,7 @@
 #include "plumbline/backend/frame_solve.hpp"
 #include "plumbline/backend/sliding_window.hpp"
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/factor/frame_factors.hpp"
 #include "plumbline/frontend/direct_alignment.hpp"
 #include "plumbline/motion/motion_model.hpp"
 #include "plumbline/solver/levenberg_marquardt.hpp"
@@ -17,20 +18,21 @@
 namespace plumbline {
 
 struct DirectOptions : WindowOptions {
-  DirectOptions() { solver.max_iterations = 5; }  // of the bundle adjustment of keyframes
+  DirectOptions() { solver.max_iterations = 5; }  // of the bundle adjustment of keyframes; tuned: docs/decisions/085
   FrameSolveOptions frame;
 };
 
-template <MotionModel Motion, class LandmarksT, int K>
+template <MotionModel Motion, class LandmarksT, int K, class FrameFactorsT = NoFrameFactors>
 class DirectBackend {
  public:
-  using Bundle = WindowBackend<Motion, LandmarksT, K>;
+  using Bundle = WindowBackend<Motion, LandmarksT, K, FrameFactorsT>;
   using Sensors = typename Bundle::Sensors;
   using S = typename Bundle::S;
   using Layout = typename Bundle::Layout;
   using State = typename Bundle::State;
   using Factor = typename Bundle::Factor;
   using Factors = typename Bundle::Factors;
+  using FrameFactors = FrameFactorsT;
   using Landmarks = LandmarksT;
   using Window = typename Bundle::Window;
   using Options = DirectOptions;
@@ -41,6 +43,7 @@ class DirectBackend {
   const Window& window() const { return bundle_.window(); }
   Window& window() { return bundle_.window(); }
   const Factors& factors() const { return bundle_.factors(); }
+  const FrameFactors& frame_factors() const { return bundle_.frame_factors(); }
 
   void set_readout_prior(double value_s, double sigma_s) { bundle_.set_readout_prior(value_s, sigma_s); }
   void set_readout(double value_s) { bundle_.set_readout(value_s); }
@@ -67,6 +70,10 @@ class DirectBackend {
       frame_.set_reference(window(), factors(), factor.previous, options_.frame);
     return bundle_.insert(t_ns, x, factor);
   }
+  template <class G>
+  bool add_factor(int slot, const G& factor) requires FrameFactorsT::template takes<G> {
+    return bundle_.add_factor(slot, factor);
+  }
   void drop(Landmarks& landmarks, int slot) {
     frame_.discard(slot);
     bundle_.drop(landmarks, slot);
@@ -74,7 +81,8 @@ class DirectBackend {
 
   /// Bundle adjustment of all keyframes, or the solution of the newest frame alone when it is no keyframe.
   void optimize(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks, bool keyframe = true) {
-    solved_alone_ = frame_.solve(rig, T_body_cam, landmarks, window(), factors(), window().newest(), options_.frame);
+    solved_alone_ = frame_.solve(rig, T_body_cam, landmarks, window(), factors(), window().newest(), options_.frame,
+                                 frame_factors());
     bundle_.factors().set_checked(window().newest(), keyframe);
     if (keyframe) optimize(rig, T_body_cam, landmarks, options_.solver);
   }
@@ -120,15 +128,17 @@ class DirectBackend {
   bool solved_alone_ = false;  ///< the newest frame has a solution by FrameSolve
 };
 
-/// Backend policy: `Keyframes` is the size of the bundle, FrontEndPolicy names the front end of each feature kind.
-template <int Keyframes = 10, class FrontEndPolicy = DirectAlignment>
+/// Backend policy: `Keyframes` is the size of the bundle, FrontEndPolicy names the front end of each feature kind,
+/// FactorTypes the factors that can be attached to frames.
+template <int Keyframes = 10, class FrontEndPolicy = DirectAlignment, template <class> class... FactorTypes>
 struct DirectGaussNewton {
   static_assert(Keyframes >= 3, "plumbline: a bundle needs at least three keyframes");
   static constexpr int slots = Keyframes;
   using FrontEnds = FrontEndPolicy;
 
   template <MotionModel Motion, class Landmarks>
-  using Backend = DirectBackend<Motion, Landmarks, Keyframes>;
+  using Backend =
+      DirectBackend<Motion, Landmarks, Keyframes, FrameFactorsOf<typename Motion::S, Keyframes, FactorTypes...>>;
 };
 
 }  // namespace plumbline

@@ -7,10 +7,14 @@
 ///   |L d_i|^2         ,   (L^T L)^-1 = Sigma_rr - Sigma_rp Sigma_pp^-1 Sigma_pr                                (10)
 ///                         Sigma: covariance of x_i in the window, p: its pose, r: its other blocks
 ///   Sigma_j = Ad Sigma_pp Ad^T + Sigma_relative   of the frame's pose, Ad = Ad(T_world_j^-1 T_world_i)         (11)
-/// The pose of the keyframe is fixed: its uncertainty is common to keyframe and landmarks, and (11) adds it.
+/// The pose of the keyframe is fixed: its uncertainty is common to keyframe and landmarks, and (11) adds it. The rows
+/// (r, J) of factors of the frame alone are relative to the world, so it adds to their covariance:
+///   |L_f (r + J d_j)|^2   ,   (L_f^T L_f)^-1 = I + J_p Ad Sigma_pp Ad^T J_p^T,   J_p: columns of the pose
+///                                                                                        docs/math/factors.md (5)
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/square_root_information.hpp"
+#include "plumbline/factor/frame_factors.hpp"
 #include "plumbline/feature/motion_terms.hpp"
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/motion/motion_model.hpp"
@@ -22,11 +26,13 @@
 namespace plumbline {
 
 struct FrameSolveOptions {
-  int max_iterations = 4;        ///< Gauss-Newton iterations of one frame
-  double step_tolerance = 1e-5;  ///< converged below this norm of the pose increment [rad and m]
-  /// Feature rows are not relinearized after a pose increment below this norm [rad and m].
+  int max_iterations = 4;  ///< Gauss-Newton iterations of one frame; tuned: docs/decisions/134 (chosen)
+  /// Converged below this norm of the pose increment [rad and m]; numerics: below the noise of a pose.
+  double step_tolerance = 1e-5;
+  /// Feature rows are not relinearized after a pose increment below this norm [rad and m]; tuned: docs/decisions/060.
   double linear_step = 2e-3;
-  /// Sigma about the prediction of velocity [m/s] and biases, which regularizes them without a factor.
+  /// Sigma about the prediction of velocity [m/s] and biases, which regularizes them without a factor;
+  /// numerics: weaker than any factor.
   double weak_prior_sigma = 1;
 };
 
@@ -64,9 +70,9 @@ class FrameSolve {
   }
 
   /// Solves for the state of the frame in `slot`; false, and its state unchanged, when the rows do not determine it.
-  template <class Window>
+  template <class Window, class FrameFactors = NoFrameFactors>
   bool solve(const Sensors& rig, const SE3<S>& T_body_cam, const Landmarks& landmarks, Window& window,
-             const auto& factors, int slot, const FrameSolveOptions& options) {
+             const auto& factors, int slot, const FrameSolveOptions& options, const FrameFactors& frame_factors = {}) {
     landmarks.for_each_with(terms_, [&](const auto& store, auto& terms) { terms.collect(store, window, T_body_cam); });
     latest_ = slot;
     const typename Window::State before = window.state(slot), keyframe_before = window.state(keyframe_);
@@ -86,6 +92,9 @@ class FrameSolve {
       add_keyframe(window.state(keyframe_).correction() - keyframe_before.correction(), system);
       for_each_factor(window, factors, slot,
                       [&](const auto& J_i, const auto& J_j, const auto& r) { add_factor(J_i, J_j, r, system); });
+      frame_factors.for_each_row(window, slot, [&](int, const auto& J, const auto& r) {
+        add_frame_factor(J, r, transported(window, slot), system);
+      });
       Vec<S, System::dim> d;
       if (!system.solve(d)) {
         window.state(slot) = before;
@@ -119,7 +128,8 @@ class FrameSolve {
   using System = DenseNormalEquations<S, dim + non_pose_dim>;  ///< the frame, then velocity and biases of its keyframe
   using NonPose = Mat<S, non_pose_dim, non_pose_dim>;
   static constexpr int none = -1;
-  static constexpr S fallback_sigma = S(0.1);  ///< of velocity and biases when the keyframe has no covariance
+  /// Of velocity and biases when the keyframe has no covariance; tuned: docs/decisions/134 (chosen).
+  static constexpr S fallback_sigma = S(0.1);
 
   /// The frame in `slot` becomes the keyframe, with the covariance that its factors propagate from the keyframe's full
   /// covariance: the uncertainty of the tilt adds to that of velocity and position.
@@ -186,6 +196,19 @@ class FrameSolve {
     set_block(J, 0, 0, J_j);
     if constexpr (non_pose_dim > 0) set_block(J, 0, dim, block<Rows, non_pose_dim>(J_i, 0, pose_dim));
     system.add(J, r, S(1));
+  }
+
+  /// Adds the rows of a factor of the frame, docs/math/factors.md (5); `of_keyframe`: Ad Sigma_pp Ad^T.
+  template <int Rows, class T>
+  static void add_frame_factor(const Mat<T, Rows, dim>& J, const Vec<T, Rows>& r, const PoseCovariance& of_keyframe,
+                               System& system) {
+    const Mat<T, Rows, pose_dim> J_pose = block<Rows, pose_dim>(J, 0, 0);
+    const Mat<T, Rows, Rows> common = product_transposed(product(J_pose, of_keyframe), J_pose);
+    const auto L = square_root_information(Mat<T, Rows, Rows>(identity<T, Rows>() + common));
+    if (!L) return;
+    Mat<T, Rows, System::dim> J_system = zeros<T, Rows, System::dim>();
+    set_block(J_system, 0, 0, product(*L, J));
+    system.add(J_system, times(*L, r), S(1));
   }
 
   /// Weak prior on velocity and biases of the frame about their predicted values.

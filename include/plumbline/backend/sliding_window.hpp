@@ -2,12 +2,14 @@
 /// Backend: Levenberg-Marquardt over a window of K frames and the landmarks that they observe, with marginalization of
 /// the frames that leave and first-estimate Jacobians.                                              docs/math/window.md
 ///
-/// `optimize` minimizes  |r0 + J0 e|^2 / 2 + the factors of the motion model + the terms of all features  over the
-/// states of the frames; landmarks are eliminated one by one. `retire` turns a frame, and the landmarks anchored in it,
-/// into the next prior (r0, J0). State and factors of a frame are those of the motion model: poses and no factors
-/// without an IMU, docs/math/inertial_window.md with one.
+/// `optimize` minimizes  |r0 + J0 e|^2 / 2 + the factors of motion model and frames + the terms of all features  over
+/// the states of the frames; landmarks are eliminated one by one. `retire` turns a frame, and the landmarks anchored in
+/// it, into the next prior (r0, J0). State and factors of a frame are those of the motion model: poses and no factors
+/// without an IMU, docs/math/inertial_window.md with one. The policy names further factors of single frames,
+/// docs/math/factors.md.
 
 #include <cmath>
+#include <concepts>
 
 #include "plumbline/backend/backend.hpp"
 #include "plumbline/backend/rig_prior.hpp"
@@ -16,6 +18,7 @@
 #include "plumbline/backend/window_problem.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
+#include "plumbline/factor/frame_factors.hpp"
 #include "plumbline/feature/landmark_ties.hpp"
 #include "plumbline/feature/readout_derivatives.hpp"
 #include "plumbline/feature/window_terms.hpp"
@@ -31,19 +34,21 @@ namespace plumbline {
 
 struct WindowOptions {
   LevenbergMarquardtOptions solver;
-  int frame_iterations = 4;  ///< iterations for a frame that is no keyframe
-  /// Prior sigma of the rotation of the first pose, the origin of the world [rad].
+  int frame_iterations = 4;  ///< iterations for a frame that is no keyframe; tuned: docs/decisions/134 (chosen)
+  /// Prior sigma of the rotation of the first pose, the origin of the world [rad]; numerics: fixes the gauge.
   double sigma_first_rotation = 1e-3;
-  double sigma_first_position = 1e-3;  ///< prior sigma of the position of the first pose [m]
-  /// Sigma of the distance of the first two keyframes where it is the unit of length, relative.
+  double sigma_first_position = 1e-3;  ///< prior sigma of the position of the first pose [m]; numerics: fixes the gauge
+  /// Sigma of the distance of the first two keyframes where it is the unit of length, relative;
+  /// tuned: docs/decisions/063.
   double sigma_first_scale = 1e-3;
   ExtrinsicsOptions extrinsics;   ///< prior on the extrinsics of the camera, with an IMU
   TimeOffsetOptions time_offset;  ///< prior on the time offset of the camera, with an IMU
-  /// Random walk of the readout time, for the error of the motion during a frame [s/sqrt(s)].
+  /// Random walk of the readout time, for the error of the motion during a frame [s/sqrt(s)];
+  /// tuned: docs/decisions/133 (chosen).
   double readout_walk = 1e-3;
 };
 
-template <MotionModel Motion, class LandmarksT, int K>
+template <MotionModel Motion, class LandmarksT, int K, class FrameFactorsT = NoFrameFactors>
 class WindowBackend {
  public:
   using Sensors = typename Motion::Sensors;
@@ -52,6 +57,7 @@ class WindowBackend {
   using State = typename Motion::State;
   using Factor = typename Motion::Factor;
   using Factors = typename Motion::template Factors<K>;
+  using FrameFactors = FrameFactorsT;
   using Landmarks = LandmarksT;
   using Window = FrameWindow<S, Layout, K>;
   using Options = WindowOptions;
@@ -64,6 +70,7 @@ class WindowBackend {
   Window& window() { return window_; }
   const Factors& factors() const { return factors_; }
   Factors& factors() { return factors_; }
+  const FrameFactors& frame_factors() const { return frame_factors_; }
 
   /// Prior on the readout time of a rolling shutter, value and sigma [s], from the next `start` on.
   void set_readout_prior(double value_s, double sigma_s) { prior_.set_readout_prior(value_s, sigma_s); }
@@ -74,6 +81,7 @@ class WindowBackend {
   int start(TimeNs t_ns, const State& x) {
     window_.clear();
     factors_.deactivate();
+    frame_factors_.clear();
     retired_ns_ = t_ns;
     const int slot = insert(t_ns, x, {});
     Mat<double, state::Pose::dim, state::Pose::dim> J = zeros<double, state::Pose::dim, state::Pose::dim>();
@@ -89,13 +97,15 @@ class WindowBackend {
 
   /// The same frames with new states, `state_of(k)` for the frame in slot k. The prior is on position and heading of
   /// the oldest frame, with `J_prior`, whitened rows on the other blocks of its state. From now on factors are active,
-  /// and extrinsics and time offset are estimated (the offset unless it is fixed).
+  /// and extrinsics and time offset are estimated (the offset unless it is fixed). Factors of frames were measured in
+  /// another world: they are removed.
   template <int Rows>
   void restart(auto&& state_of, const Mat<double, Rows, Layout::dim>& J_prior, const SE3<S>& T_body_cam,
                const TimeOffsetEstimate& time_offset = {}) {
     for (int k = 0; k < K; ++k) {
       if (window_[k].used) window_.state(k) = typename Window::State(state_of(k));
     }
+    frame_factors_.clear();
     factors_.reintegrate(window_);
     factors_.initialize_velocities(window_);
     factors_.activate();
@@ -133,10 +143,20 @@ class WindowBackend {
     return slot;
   }
 
+  /// Attaches a factor to the frame in `slot`, for the next solution and as long as the frame is in the window. False,
+  /// and nothing attached, when it is not valid at the state of the frame or there is no room.
+  template <class G>
+  bool add_factor(int slot, const G& factor) requires FrameFactorsT::template takes<G> {
+    const auto& state = window_[slot].state;
+    return window_[slot].used && factor.linearize(state.value(), state.first_estimate()).valid &&
+           frame_factors_.insert(slot, factor);
+  }
+
   /// Removes a frame that is no anchor and that no prior refers to, without leaving information.
   void drop(Landmarks& landmarks, int slot) {
     landmarks.for_each([&](auto& store) { store.remove_frame(slot); });
     factors_.remove(slot);
+    frame_factors_.remove(slot);
     window_.remove(slot);
   }
 
@@ -192,6 +212,8 @@ class WindowBackend {
     prior_.begin_retirement(window_);
     factors_.for_each_row(window_, slot, [&](const auto&... row) { prior_.add_factor(row...); });
     factors_.remove(slot);
+    frame_factors_.for_each_marginalized_row(window_, slot, [&](const auto&... row) { prior_.add_factor(row...); });
+    frame_factors_.remove(slot);
     landmarks.for_each_with(terms_, [&](auto& store, auto& terms) {
       terms.for_each_leaving(slot, rig, store, window_, views_, [&](const auto& landmark, const auto& derivatives) {
         prior_.add_landmark(landmark, equations_.pairs, derivatives);
@@ -225,7 +247,14 @@ class WindowBackend {
   using AllTerms = typename Landmarks::template TupleOf<Terms>;
 
   /// Cost without the landmarks.
-  double cost_of_frames() const { return prior_.cost(window_) + factors_.cost(window_) + rig_prior_.cost(window_); }
+  double cost_of_frames() const {
+    const double cost = prior_.cost(window_) + factors_.cost(window_) + rig_prior_.cost(window_);
+    if constexpr (std::same_as<FrameFactors, NoFrameFactors>) {
+      return cost;
+    } else {
+      return cost + frame_factors_.cost(window_);
+    }
+  }
 
   void begin_linearization() {
     equations_.pairs.reset();
@@ -246,6 +275,7 @@ class WindowBackend {
   Options options_;
   Window window_, backup_;
   [[no_unique_address]] Factors factors_;
+  [[no_unique_address]] FrameFactors frame_factors_;
   WindowViews<S, K> views_;
   WindowPriorOf<Window, AllTerms> prior_;
   [[no_unique_address]] RigPrior<Layout> rig_prior_;
@@ -255,15 +285,16 @@ class WindowBackend {
   [[no_unique_address]] LandmarkTies<Landmarks> ties_;
 };
 
-/// Backend policy: K frames; FrontEndPolicy names the front end of each feature kind.
-template <int K, class FrontEndPolicy = Flow>
+/// Backend policy: K frames; FrontEndPolicy names the front end of each feature kind, FactorTypes the factors that can
+/// be attached to frames: SlidingWindow<10, Flow, AbsolutePosition>.
+template <int K, class FrontEndPolicy = Flow, template <class> class... FactorTypes>
 struct SlidingWindow {
   static_assert(K >= 3, "plumbline: a window needs at least three keyframes");
   static constexpr int slots = K;
   using FrontEnds = FrontEndPolicy;
 
   template <MotionModel Motion, class Landmarks>
-  using Backend = WindowBackend<Motion, Landmarks, K>;
+  using Backend = WindowBackend<Motion, Landmarks, K, FrameFactorsOf<typename Motion::S, K, FactorTypes...>>;
 };
 
 }  // namespace plumbline

@@ -117,6 +117,12 @@ struct WindowEquations {
                          });
   }
 
+  /// Adds the rows of the factors of single frames.
+  void add_frame_factors(const Window& window, const auto& frame_factors) {
+    frame_factors.for_each_row(window, -1,
+                               [&](int slot, const auto& J, const auto& r) { normal.add(slot, J, r, 1.0); });
+  }
+
   /// Marginal covariance of the leading blocks of the frame in `slot`, its pose first; false when it is not defined.
   template <class S, int Dim>
   bool covariance(int slot, Mat<S, Dim, Dim>& out) const {

@@ -146,6 +146,17 @@ class WindowPrior {
     }
   }
 
+  /// Adds whitened rows of a factor of one frame, at the current state.
+  template <class S, int Rows>
+  void add_factor(int slot, const Mat<S, Rows, frame_dim>& J, const Vec<S, Rows>& r) {
+    Vec<double, Rows> r0;
+    for (int k = 0; k < Rows; ++k) {  // the prior's residual belongs to e = 0
+      r0[k] = double(r[k]);
+      for (int c = 0; c < frame_dim; ++c) r0[k] -= double(J(k, c)) * e_[slot * frame_dim + c];
+    }
+    marginalizer_.add_rows(J, r0, slot * frame_dim);
+  }
+
   /// Adds the rows of one landmark, at the current state, and their derivatives by the readout time; the landmark is
   /// eliminated.
   template <class Landmark, class Pairs>

@@ -53,6 +53,7 @@ struct WindowProblem {
   void add_priors_and_factors() {
     self.rig_prior_.add_to(self.window_, self.equations_);
     self.equations_.add_priors_and_factors(self.window_, self.prior_, self.factors_);
+    self.equations_.add_frame_factors(self.window_, self.frame_factors_);
   }
 
   /// Column of the readout time in the equations, landmarks eliminated: the derivatives of all rows by the readout time

@@ -12,6 +12,7 @@
 
 #include <utility>
 
+#include "plumbline/backend/backend.hpp"
 #include "plumbline/core/result.hpp"
 #include "plumbline/estimator/clock.hpp"
 #include "plumbline/estimator/components.hpp"
@@ -108,6 +109,16 @@ class Estimator {
   /// The next frame begins a new initialization, at the pose that is estimated then.
   void request_reset() { reset_requested_ = true; }
 
+  /// Attaches a factor of the latest frame, of a type that the backend policy names (factor/factor.hpp), for the next
+  /// solution and on. False, and nothing attached, unless tracking is nominal and that frame is a keyframe: any other
+  /// frame is removed when the next one comes.
+  template <class F>
+  bool add_factor(const F& factor) requires TakesFactor<Backend, F> {
+    task_.wait();
+    return status_.state() == TrackingState::nominal && window_.is_latest_keyframe() &&
+           window_.backend().add_factor(window_.keyframe(), factor);
+  }
+
   /// The estimate of the last frame.
   const Estimate<S>& latest() const { return publisher_.latest(); }
   const FrameTiming& timing() const { return timing_; }
@@ -174,8 +185,8 @@ class Estimator {
     return predicted;
   }
 
-  /// Tracks the frame's features and solves for its state; `previous_keyframe` is the slot of the previous frame if that
-  /// is a keyframe, else -1.
+  /// Tracks the frame's features and solves for its state; `previous_keyframe` is the slot of the previous frame if
+  /// that is a keyframe, else -1.
   void track(View<Sensors>& view, const Predicted& predicted, int previous_keyframe, Stopwatch<TimeSource>& stage) {
     const bool can_predict = motion_.can_propagate() || !Motion::has_imu_factors;
     if (can_predict && tracker_.images().repeats() && !motion_.can_be_stationary(view.t_ns))
@@ -257,8 +268,8 @@ class Estimator {
   }
 
   /// Adds inflation for unmodeled error to the uncertainty of the world frame: the rotation that a gyroscope bias jump
-  /// may have caused, about any axis since tilt is taken for accelerometer bias; and, while images and IMU disagree, the
-  /// difference between the solved and the predicted pose when it exceeds the gate.
+  /// may have caused, about any axis since tilt is taken for accelerometer bias; and, while images and IMU disagree,
+  /// the difference between the solved and the predicted pose when it exceeds the gate.
   void check_consistency(const Predicted& predicted) {
     const SE3<S>& T = navigation_.T_world_body();
     if (motion_.gyro_jump_rotation() > S(0))
