@@ -14,9 +14,11 @@
 namespace plumbline {
 
 struct ExtrinsicsOptions {
-  double rotation_sigma = 7e-4;    ///< prior sigma of the calibrated rotation [rad]; 0: the rotation is fixed
-  double position_sigma = 2.5e-3;  ///< prior sigma of the calibrated position [m]; 0: the position is fixed
-  double cauchy_scale = 3;         ///< Cauchy scale of both parts [sigma]
+  /// Prior sigma of the calibrated rotation [rad]; 0: the rotation is fixed; tuned: docs/decisions/030.
+  double rotation_sigma = 7e-4;
+  /// Prior sigma of the calibrated position [m]; 0: the position is fixed; tuned: docs/decisions/030.
+  double position_sigma = 2.5e-3;
+  double cauchy_scale = 3;  ///< Cauchy scale of both parts [sigma]; tuned: docs/decisions/030
 };
 
 class ExtrinsicsPrior {
@@ -48,7 +50,7 @@ class ExtrinsicsPrior {
 
  private:
   static constexpr int position = 3;           ///< offset of e_p in e
-  static constexpr double fixed_sigma = 1e-6;  ///< sigma of fixed or held extrinsics [rad, m]
+  static constexpr double fixed_sigma = 1e-6;  ///< sigma of fixed or held extrinsics [rad, m]; numerics: regular
 
   double sigma(int part) const {
     return std::max(fixed_sigma, part == position ? options_.position_sigma : options_.rotation_sigma);

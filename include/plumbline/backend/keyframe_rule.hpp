@@ -12,14 +12,17 @@
 namespace plumbline {
 
 struct KeyframeOptions {
-  /// A keyframe is added below this fraction of the landmarks tracked at the last keyframe.
+  /// A keyframe is added below this fraction of the landmarks tracked at the last keyframe;
+  /// tuned: docs/decisions/134 (chosen).
   double min_tracked_ratio = 0.5;
-  /// Mean motion of the landmarks in the image since the last keyframe beyond which one is added [rad].
+  /// Mean motion of the landmarks in the image since the last keyframe beyond which one is added [rad];
+  /// tuned: docs/decisions/134 (chosen).
   double max_motion_rad = 0.15;
 };
 
 /// Default options of a rig. Without depth landmarks are triangulated between keyframes, so these are frequent; with an
 /// IMU they are closer because velocities and biases are estimated at them. With depth alone every keyframe adds drift.
+/// tuned: docs/decisions/134 (chosen).
 template <SensorRig Sensors>
 constexpr KeyframeOptions default_keyframes() {
   if (!Sensors::has_depth) return {0.7, 0.0656};
@@ -49,6 +52,7 @@ class KeyframeRule {
   template <class Window>
   static int most_redundant(const Window& window, typename Window::Scalar mean_depth) {
     using S = typename Window::Scalar;
+    constexpr S distance_floor = S(0.02);  // tuned: docs/decisions/134 (chosen)
     const auto distance = [&](int a, int b) {
       const Vec<S, 6> d = minus(window.T_world_body(a), window.T_world_body(b));
       return norm(segment<3>(d, 0)) + norm(segment<3>(d, 3)) / mean_depth;
@@ -60,7 +64,7 @@ class KeyframeRule {
       if (!window[k].used || k == newest || k == second) continue;
       S density = S(0);
       for (int j = 0; j < Window::slots; ++j) {
-        if (window[j].used && j != k) density += S(1) / (S(0.02) + distance(k, j));
+        if (window[j].used && j != k) density += S(1) / (distance_floor + distance(k, j));
       }
       const S score = std::sqrt(distance(k, newest)) * density;
       if (score > worst_score) {

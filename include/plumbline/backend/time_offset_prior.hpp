@@ -12,10 +12,13 @@
 namespace plumbline {
 
 struct TimeOffsetOptions {
-  double sigma_s = 5e-4;         ///< prior sigma of a calibrated time offset [s]; 0: the offset is fixed
-  double cauchy_scale = 3;       ///< Cauchy scale [sigma]
-  double min_change_s = 3e-3;    ///< smallest change of the offset that counts as a correction [s]
-  double hold_extrinsics_s = 1;  ///< time for which the extrinsics are held after a correction of the offset [s]
+  /// Prior sigma of a calibrated time offset [s]; 0: the offset is fixed; tuned: docs/decisions/028.
+  double sigma_s = 5e-4;
+  double cauchy_scale = 3;  ///< Cauchy scale [sigma]; tuned: docs/decisions/028
+  /// Smallest change of the offset that counts as a correction [s]; tuned: docs/decisions/029.
+  double min_change_s = 3e-3;
+  /// Time for which the extrinsics are held after a correction of the offset [s]; tuned: docs/decisions/029.
+  double hold_extrinsics_s = 1;
 };
 
 class TimeOffsetPrior {

@@ -1,6 +1,6 @@
 #pragma once
-/// References to the components of an estimator, for the steps that act on all of them: initialization, and the work on a
-/// keyframe.
+/// References to the components of an estimator, for the steps that act on all of them: initialization, and the work on
+/// a keyframe.
 
 #include "plumbline/estimator/frame_report.hpp"
 #include "plumbline/estimator/keyframe_window.hpp"

@@ -5,7 +5,8 @@
 /// estimates, bit for bit.
 ///
 /// The task has exclusive access to the components while it runs. What can be asked for meanwhile is copied: the
-/// published estimate (Publisher), and here the state about which IMU samples are integrated and the frame's depth image.
+/// published estimate (Publisher), and here the state about which IMU samples are integrated and the frame's depth
+/// image.
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,9 @@
 #pragma once
 /// The window of keyframes and its landmarks: which frames enter, which of them stay, and which leave to the map.
 ///
-/// A frame without IMU factors enters as a keyframe only. A frame with IMU factors always enters, and is solved for with
-/// the window; unless it becomes a keyframe it is temporary, and is removed without marginalization when the next comes.
+/// A frame without IMU factors enters as a keyframe only. A frame with IMU factors always enters, and is solved for
+/// with the window; unless it becomes a keyframe it is temporary, and is removed without marginalization when the next
+/// comes.
 
 #include <cstdint>
 #include <type_traits>
@@ -129,8 +130,8 @@ class KeyframeWindow {
     temporary_ = backend_.insert(view.t_ns, x, motion.factor(keyframe_));
     return keyframe;
   }
-  /// Optimizes the window with the frame as a keyframe, or as none; `before` is the state of the previous frame. At rest
-  /// the window is not optimized, so noise does not move the pose.
+  /// Optimizes the window with the frame as a keyframe, or as none; `before` is the state of the previous frame. At
+  /// rest the window is not optimized, so noise does not move the pose.
   void solve(const View<Sensors>& view, const State& before, bool keyframe, Tracker& tracker, const Motion& motion,
              RigState<Sensors>& rig_state) {
     if (keyframe) {
@@ -145,7 +146,8 @@ class KeyframeWindow {
     frames().set_latest(temporary_);
     if (State solved = frames().latest(); motion.correct(before, solved, view.dt)) frames().set_latest(solved);
   }
-  /// Sets the covariance of the navigation state, and that of the velocity, to what the window knows of the latest frame.
+  /// Sets the covariance of the navigation state, and that of the velocity, to what the window knows of the latest
+  /// frame.
   void update_covariance(Motion& motion, Nav& navigation) const {
     if (is_stationary_) return;
     using Known = std::conditional_t<HasVelocityCovariance<Backend>, MovingLayout, VisualLayout>;

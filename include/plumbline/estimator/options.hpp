@@ -25,7 +25,8 @@ struct EstimatorOptions : Parts::FrontEnds::Options {
   RotationAlignmentOptions rotation;
   ReadoutOptions readout;
   RecoveryOptions recovery = default_recovery<typename Parts::Sensors>();
-  double calibration_error = 0.002;  ///< of angle and distance, relative; not seen in residuals
+  /// Of angle and distance, relative; not seen in residuals; tuned: docs/decisions/013.
+  double calibration_error = 0.002;
 };
 
 }  // namespace plumbline

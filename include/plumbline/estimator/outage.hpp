@@ -64,9 +64,9 @@ class Outage {
     }
   }
 
-  /// Takes the prediction x of the motion model for the pose. Features of an image that shows enough are tracked and get
-  /// depth by parallax, unless the pose contradicts the IMU; after max_outage_frames other images landmarks are detected
-  /// again. Returns false when a reset is due and the image shows enough for it.
+  /// Takes the prediction x of the motion model for the pose. Features of an image that shows enough are tracked and
+  /// get depth by parallax, unless the pose contradicts the IMU; after max_outage_frames other images landmarks are
+  /// detected again. Returns false when a reset is due and the image shows enough for it.
   bool propagate(const View<Sensors>& view, HealthReason failure, State x, Tracker& tracker, Window& window,
                  Motion& motion, Nav& navigation, FrameReport& report) {
     const bool repeats = failure == HealthReason::images_repeat;

@@ -11,8 +11,8 @@
 
 namespace plumbline {
 
-/// Sets the motion during the readout of the frame to that of the body in the state x; landmarks without depth are taken
-/// at the distance `range` [m].
+/// Sets the motion during the readout of the frame to that of the body in the state x; landmarks without depth are
+/// taken at the distance `range` [m].
 template <SensorRig Sensors>
 void set_shutter_motion(View<Sensors>& view, const auto& motion, const auto& x, typename Sensors::Scalar range) {
   if constexpr (Sensors::rolls) view.set_motion(motion.angular_rate(), motion.velocity(x), range);
@@ -61,8 +61,8 @@ class ReadoutEstimation {
   /// which the window is to be optimized again.
   bool update(Backend& backend, const auto& view, auto& landmarks, auto& rig_state) {
     if constexpr (EstimatesReadout<Backend>) {
-      constexpr int solved_every = 3;
-      constexpr S min_change_s = S(2e-3);
+      constexpr int solved_every = 3;      // tuned: docs/decisions/036
+      constexpr S min_change_s = S(2e-3);  // tuned: docs/decisions/133 (chosen)
       if (rig_state.readout().is_known()) return false;
       if (backend.window().full() && ++full_windows_ % solved_every != 0) return false;
       ReadoutCorrection found;

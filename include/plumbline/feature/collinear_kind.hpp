@@ -36,8 +36,9 @@ struct CollinearKind : LineKind<SensorsT, Loss, CollinearObservation<typename Se
   using typename Lines::InAnchor;
   using typename Lines::Linearized;
   using typename Lines::Observation;
-  static constexpr int max_points = 12;  ///< largest number of members of one line
-  /// Of (3), distance divided by range [rad], since edges are not perfectly straight.
+  static constexpr int max_points = 12;  ///< largest number of members of one line; tuned: docs/decisions/136 (chosen)
+  /// Of (3), distance divided by range [rad], since edges are not perfectly straight;
+  /// tuned: docs/decisions/136 (chosen).
   static constexpr S tolerance = S(0.003);
   static constexpr Loss<S> point_loss = Lines::pixel_loss;
 

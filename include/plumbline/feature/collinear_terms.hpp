@@ -143,7 +143,7 @@ class CollinearTerms {
       for (std::size_t k = members.size(); k-- > 0;) {
         const int p = index_of(points, members[k]);
         if (p < 0 || !points.landmarks()[p].takes_part()) continue;
-        const bool fits = norm(whitened(line, points.landmarks()[p], members[k], views)) < S(3);
+        const bool fits = norm(whitened(line, points.landmarks()[p], members[k], views)) < max_fit_error;
         members[k].misfits = fits ? 0 : members[k].misfits + 1;
         if (members[k].misfits >= max_misfits) members.swap_remove(k);
       }
@@ -152,8 +152,10 @@ class CollinearTerms {
 
  private:
   static constexpr int none = -1, line_dim = Kind::dim, pose_dim = state::Pose::dim;
-  static constexpr S max_error = S(30);  ///< whitened error beyond which a point is not constrained
-  static constexpr int max_misfits = 3;
+  static constexpr S max_fit_error = S(3);  ///< of a member; chi-square quantile 98.9 %, 2 degrees of freedom
+  /// Whitened error beyond which a point is not constrained; tuned: docs/decisions/136 (chosen).
+  static constexpr S max_error = S(30);
+  static constexpr int max_misfits = 3;  ///< in a row; tuned: docs/decisions/136 (chosen)
 
   using Member = typename Kind::Member;
   template <int OtherDim>

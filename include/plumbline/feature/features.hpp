@@ -41,9 +41,11 @@ class LandmarkSet {
     });
   }
 
+  static constexpr double no_limit_px = 1e9;  ///< numerics: larger than any image
+
   /// Mean motion of the landmarks in view since the frame in `slot`, without those that moved by `below` or more [px];
   /// 0 without landmarks.
-  double motion_since(int slot, double below = 1e9) const {
+  double motion_since(int slot, double below = no_limit_px) const {
     double sum_px = 0;
     int count = 0;
     for_each_independent([&](const auto& store) { store.add_motion_since(slot, below, sum_px, count); });

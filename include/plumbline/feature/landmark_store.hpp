@@ -15,8 +15,10 @@ namespace plumbline {
 
 /// When landmarks out of view are removed.
 struct StoreOptions {
-  int max_misses = 30;  ///< frames in a row without finding a landmark after which it is removed
-  /// Observations below which a landmark out of view is removed; others constrain the frames.
+  /// Frames in a row without finding a landmark after which it is removed; frame rate: one second at 30 Hz.
+  int max_misses = 30;
+  /// Observations below which a landmark out of view is removed; others constrain the frames;
+  /// geometry: one view constrains no two frames.
   int min_observations = 2;
 };
 

@@ -69,7 +69,7 @@ struct LineGeometry {
   /// Whether the inverse depths at both ends of the anchor's segment exceed three sigmas, and the line is more than 2
   /// cm from the camera center.
   bool is_sound(const LineReprojection<S>& seen) const {
-    if (!(line.distance() > S(0.02)) || !all_finite(covariance)) return false;
+    if (!(line.distance() > min_distance) || !all_finite(covariance)) return false;
     const LineInverseDepth<S> ends{seen.bearing_start / seen.bearing_start.z(), seen.bearing_end / seen.bearing_end.z(),
                                    zeros<S, 2>()};
     const auto inverse_depth = AnchoredLine<LineInverseDepth<S>>{ends}.linearize_in_anchor(line);
@@ -77,13 +77,15 @@ struct LineGeometry {
     for (int i = 0; i < 2; ++i) {
       const Mat<S, 1, 4> J = block<1, 4>(inverse_depth.J_r_line, i, 0);
       const S variance = product_transposed(product(J, covariance), J)(0, 0);
-      if (!(inverse_depth.r[i] > 3 * std::sqrt(variance))) return false;
+      if (!(inverse_depth.r[i] > min_significance * std::sqrt(variance))) return false;
     }
     return true;
   }
 
  private:
-  static constexpr S max_extent = S(1e3);  ///< largest accepted |extent| [m]
+  static constexpr S min_distance = S(0.02);   ///< of a sound line [m]; geometry: no camera focuses nearer
+  static constexpr S min_significance = S(3);  ///< chi-square quantile 99.7 %, 1 degree of freedom
+  static constexpr S max_extent = S(1e3);      ///< largest accepted |extent| [m]; geometry: no parallax beyond
 };
 
 }  // namespace plumbline

@@ -205,8 +205,10 @@ struct LineKind {
   }
 
  private:
-  static constexpr double invalid_cost = 100;  ///< of an observation that is not valid at the current state
-  static constexpr S drop_chi2 = S(25);        ///< whitened squared error beyond which an observation is an outlier
+  /// Of an observation that is not valid at the current state; numerics: above the cost of any inlier.
+  static constexpr double invalid_cost = 100;
+  /// Whitened squared error of an outlier; chi-square quantile 99.9996 %, 2 degrees of freedom.
+  static constexpr S drop_chi2 = S(25);
 
   /// Whitened errors of one observation.
   struct Errors {

@@ -57,7 +57,8 @@ class MotionTerms {
     sorted_ = errors_;
     const std::size_t middle = sorted_.size() / 2;
     std::nth_element(sorted_.begin(), sorted_.begin() + middle, sorted_.end());
-    scale2_ = sorted_.empty() ? S(1) : sorted_[middle] / S(1.386);  // median of chi2(2)
+    constexpr S median_chi2 = S(1.386);  // chi-square quantile 50 %, 2 degrees of freedom
+    scale2_ = sorted_.empty() ? S(1) : sorted_[middle] / median_chi2;
     const S scale2 = std::max(S(1), scale2_);
     int inliers = 0;
     for (std::size_t i = 0; i < items_.size(); ++i) {

@@ -43,7 +43,8 @@ struct PointKind {
   using Appearance = PointAppearance;
   static constexpr int dim = 1;  ///< lambda
   static constexpr int rows_per_view = Sensors::has_depth ? 3 : 2, damping_rows = 0;
-  static constexpr S lambda_min = S(1e-3), lambda_max = S(20);  ///< limits of the inverse range [1/m]
+  /// Limits of the inverse range [1/m]; geometry: 5 cm to 1 km.
+  static constexpr S lambda_min = S(1e-3), lambda_max = S(20);
   static_assert(RobustLoss<Loss<S>>, "plumbline: this is no robust kernel, see solver/robust_loss.hpp");
   static constexpr Loss<S> pixel_loss = loss_for<Loss, S, 2>, depth_loss = loss_for<Loss, S, 1>;
 
@@ -226,7 +227,8 @@ struct PointKind {
     const Vec<S, 2> j = L * (lin.J_r_point * point.sigma_world);
     const S jj = squared_norm(j);
     Mat<S, 2, 2> W = L;
-    if (jj > S(1e-12)) {
+    constexpr S least = S(1e-12);  // numerics: below, the shrinkage is zero
+    if (jj > least) {
       const S shrink = (S(1) - S(1) / std::sqrt(S(1) + jj)) / jj;
       for (int c = 0; c < 2; ++c) {
         const S along = shrink * (j[0] * L(0, c) + j[1] * L(1, c));
@@ -256,8 +258,10 @@ struct PointKind {
   }
 
  private:
-  static constexpr double invalid_cost = 100;  ///< of an observation that is not valid at the current state
-  static constexpr S drop_chi2 = S(25);        ///< whitened squared error beyond which an observation is an outlier
+  /// Of an observation that is not valid at the current state; numerics: above the cost of any inlier.
+  static constexpr double invalid_cost = 100;
+  /// Whitened squared error of an outlier; chi-square quantile 99.9996 %, 2 degrees of freedom.
+  static constexpr S drop_chi2 = S(25);
 
   /// Whitened errors of one observation by a frame other than the anchor.
   struct Errors {

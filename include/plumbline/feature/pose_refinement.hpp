@@ -17,11 +17,12 @@
 namespace plumbline {
 
 struct PoseRefinementOptions {
-  int max_iterations = 10;  ///< largest number of iterations
-  /// Converged below this norm of an increment; the next would be about a tenth of it [rad and m].
+  int max_iterations = 10;  ///< largest number of iterations; numerics: ends by step_tolerance before
+  /// Converged below this norm of an increment; the next would be about a tenth of it [rad and m];
+  /// tuned: docs/decisions/084.
   double step_tolerance = 1e-4;
-  double chi2_gate = 13.8;  ///< gate of an observation, squared; 99.9 % of chi2 with two degrees of freedom
-  int min_inliers = 8;      ///< smallest number of inliers of a valid pose
+  double chi2_gate = 13.8;  ///< gate of an observation, squared; chi-square quantile 99.9 %, 2 degrees of freedom
+  int min_inliers = 8;      ///< smallest number of inliers of a valid pose; tuned: docs/decisions/131 (chosen)
 };
 
 template <SensorRig Sensors, class Landmarks>

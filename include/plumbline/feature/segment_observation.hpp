@@ -134,7 +134,7 @@ struct SegmentObservation : SeenProfile<has_profile> {
   }
 
  private:
-  static constexpr S max_inverse_range = S(20);  ///< largest accepted inverse range [1/m]
+  static constexpr S max_inverse_range = S(20);  ///< largest accepted inverse range [1/m]; geometry: 5 cm
 
   /// Adds changes to the bearings of start and end.
   void move_bearings(const Vec<S, 3>& start, const Vec<S, 3>& end) {

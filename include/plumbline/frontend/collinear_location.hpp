@@ -71,7 +71,9 @@ void locate_collinear(const SE3<S>& T_body_cam, const auto& window, Landmark& la
   Line3<S> line = Line3<S>::through(start, end);
   if (!line.is_finite()) return;
   Mat<double, 4, 4> covariance;
-  for (int iteration = 0; iteration < 4; ++iteration) {
+  constexpr int iterations = 4;        // numerics: Gauss-Newton from an initial value through two members
+  constexpr S max_member_chi2 = S(9);  // chi-square quantile 98.9 %, 2 degrees of freedom
+  for (int iteration = 0; iteration < iterations; ++iteration) {
     DenseNormalEquations<double, 4> system;
     detail::add_in_anchor(seen.pixels, line, system);
     for (const auto& member : members) {
@@ -83,7 +85,7 @@ void locate_collinear(const SE3<S>& T_body_cam, const auto& window, Landmark& la
     line = line.plus(cast_to<S>(step));
   }
   int straight = 0;
-  for (const auto& member : members) straight += squared_norm(member.rows(line).r) < S(9);
+  for (const auto& member : members) straight += squared_norm(member.rows(line).r) < max_member_chi2;
   if (straight < 2 || 2 * straight < static_cast<int>(members.size())) return;
   detail::adopt_line(landmark, line, cast_to<S>(covariance));
 }

@@ -26,15 +26,21 @@
 namespace plumbline {
 
 struct CollinearOptions {
-  int target_count = 60;  ///< new lines are added until this many are in view
-  /// Sigma of an endpoint normal to the segment that the length of the edge does not reduce [px].
+  int target_count = 60;  ///< new lines are added until this many are in view; tuned: docs/decisions/136 (chosen)
+  /// Sigma of an endpoint normal to the segment that the length of the edge does not reduce [px];
+  /// tuned: docs/decisions/042.
   float sigma_px = 0.4f;
-  float peak_spacing_px = 4;  ///< distance of edge points with independent errors [px]
-  /// Largest distance of a member to its segment [px]; corners are detected beside their edges.
+  /// Distance of edge points with independent errors [px]; geometry: closer peaks share pixels.
+  float peak_spacing_px = 4;
+  /// Largest distance of a member to its segment [px]; corners are detected beside their edges;
+  /// tuned: docs/decisions/047.
   float member_px = 4;
-  float separation_px = 10;  ///< smallest distance of two shared members in both views of a line [px]
-  float same_line_px = 2;    ///< largest distance between a segment and the projection of its line [px]
-  /// Factor on the sigmas of members that replace a segment, because they are also used as points.
+  /// Smallest distance of two shared members in both views of a line [px]; tuned: docs/decisions/136 (chosen).
+  float separation_px = 10;
+  /// Largest distance between a segment and the projection of its line [px]; tuned: docs/decisions/048.
+  float same_line_px = 2;
+  /// Factor on the sigmas of members that replace a segment, because they are also used as points;
+  /// tuned: docs/decisions/136 (chosen).
   double sigma_points = 3;
   LineDetectorOptions detector;
   LineTrackingOptions tracking;  ///< options for tracking the edge of a detected segment

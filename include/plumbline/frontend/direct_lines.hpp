@@ -21,15 +21,18 @@ namespace plumbline {
 
 struct DirectLineOptions : EdgeFollowingOptions {
   DirectLineOptions() {
-    search_first_px = 4;  // the aligned pose is nearly the estimated one
-    search_tracked_again = false;
+    search_first_px = 4;           // the aligned pose is nearly the estimated one; tuned: docs/decisions/084
+    search_tracked_again = false;  // tuned: docs/decisions/136 (chosen)
   }
-  float sample_spacing_px = 20;  ///< distance of patches along a segment [px]
-  /// Largest weight of all patches of a segment together, relative to one patch of a point.
+  float sample_spacing_px = 20;  ///< distance of patches along a segment [px]; tuned: docs/decisions/136 (chosen)
+  /// Largest weight of all patches of a segment together, relative to one patch of a point;
+  /// tuned: docs/decisions/136 (chosen).
   float max_weight = 1.5f;
-  /// Use depth filters for new landmarks; else triangulate from two views with enough parallax.
+  /// Use depth filters for new landmarks; else triangulate from two views with enough parallax;
+  /// tuned: docs/decisions/059.
   bool filter_depth = true;
-  double max_depth_error = 0.33;  ///< relative sigma of the inverse range below which a new landmark is located
+  /// Relative sigma of the inverse range below which a new landmark is located; tuned: docs/decisions/136 (chosen).
+  double max_depth_error = 0.33;
 };
 
 template <class Store, LineDetector Detector = LineSegmentDetector<>>
@@ -41,6 +44,7 @@ class DirectLines {
   using Landmark = typename Store::Landmark;
   using Options = LineOptionsOf<DirectLineOptions, Sensors>;
   static constexpr bool gives_correspondences = false;
+  /// tuned: docs/decisions/084.
   static constexpr int max_samples_of_one = 5, max_alignment_samples = max_samples_of_one * Store::capacity;
 
   explicit DirectLines(const Options& options) : options_(options), edges_(options) {}
@@ -108,8 +112,8 @@ class DirectLines {
   }
 
  private:
-  static constexpr S min_depth = S(0.1), max_range = S(1e3);  ///< [m]
-  /// Located landmarks needed for the prior of a depth filter.
+  static constexpr S min_depth = S(0.1), max_range = S(1e3);  ///< [m]; geometry: no parallax beyond
+  /// Located landmarks needed for the prior of a depth filter; tuned: docs/decisions/136 (chosen).
   static constexpr int min_located = 5;
 
   Options options_;

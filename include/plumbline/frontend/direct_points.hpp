@@ -28,12 +28,16 @@ namespace plumbline {
 
 template <SensorRig Sensors>
 struct DirectPointOptions : PointOptionsOf<Sensors> {
-  float max_correction_px = 4;  ///< largest distance between aligned and projected position [px]
-  bool flow_as_well = true;     ///< use optical flow where feature alignment fails
-  /// Use depth filters for new landmarks; else triangulate from two views with enough parallax.
+  /// Largest distance between aligned and projected position [px]; tuned: docs/decisions/135 (chosen).
+  float max_correction_px = 4;
+  bool flow_as_well = true;  ///< use optical flow where feature alignment fails; tuned: docs/decisions/084
+  /// Use depth filters for new landmarks; else triangulate from two views with enough parallax;
+  /// tuned: docs/decisions/135 (chosen).
   bool filter_depth = true;
-  double max_depth_error = 0.33;  ///< relative sigma of the inverse depth below which a new landmark is located
-  int max_new_searches = 60;      ///< largest number of epipolar searches for new landmarks in one frame
+  /// Relative sigma of the inverse depth below which a new landmark is located; tuned: docs/decisions/135 (chosen).
+  double max_depth_error = 0.33;
+  /// Largest number of epipolar searches for new landmarks in one frame; tuned: docs/decisions/135 (chosen).
+  int max_new_searches = 60;
   EpipolarSearchOptions epipolar;
 };
 
@@ -157,7 +161,8 @@ class DirectPoints {
   }
 
  private:
-  static constexpr float border_px = 8;  ///< half an alignment patch and the interpolation's neighbor
+  /// geometry: half an alignment patch and the interpolation's neighbor.
+  static constexpr float border_px = 8;
 
   static Vec<S, 3> p_world(const Landmark& landmark, const auto& window, const SE3<S>& T_body_cam) {
     return window.T_world_body(landmark.anchor) * (T_body_cam * Kind::middle(landmark.geometry));
@@ -179,10 +184,12 @@ class DirectPoints {
     if (!ray.valid) return;
     const S sigma_rad = S(options_.sigma_flow_px) / effective_focal_length(view.camera());
     const std::array<TriangulationView<S>, 1> views{{{T_cam_anchor, ray.bearing, sigma_rad}}};
+    constexpr double no_limit = -1e9;       // numerics: below any parallax
+    constexpr S max_variance_ratio = S(4);  // numerics: two sigmas of the filter, more adds no information
     TriangulationOptions any_parallax = options_.triangulation;
-    any_parallax.min_significance = -1e9;
+    any_parallax.min_significance = no_limit;
     const Triangulation<S> seen = triangulate<S>(landmark.geometry.bearing, views, any_parallax);
-    if (!(seen.variance > S(0)) || !(seen.variance < 4 * depth.variance)) return;
+    if (!(seen.variance > S(0)) || !(seen.variance < max_variance_ratio * depth.variance)) return;
     if (seen.valid) {
       depth.update(seen.inverse_range, std::sqrt(seen.variance));
     } else {
@@ -206,7 +213,8 @@ class DirectPoints {
   /// Searches landmarks that are neither located nor tracked along their epipolar curves, within two sigmas of their
   /// depth filters.
   void search_new(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_cam_world) {
-    constexpr S sigmas = S(2), least = S(1e-3);
+    constexpr S sigmas = S(2);    // chi-square quantile 95 %, 1 degree of freedom
+    constexpr S least = S(1e-3);  // of the mean; numerics: positive inverse range
     const auto seen = [&](const Vec<S, 2>& uv, S inverse_range) { return view.shutter.seen(uv, inverse_range); };
     int searches = 0;
     for (Landmark& landmark : store.landmarks()) {
@@ -240,7 +248,7 @@ class DirectPoints {
     return aligned;
   }
 
-  static constexpr int min_located = 10;  ///< located landmarks needed for the prior of a depth filter
+  static constexpr int min_located = 10;  ///< located landmarks for a filter prior; tuned: docs/decisions/135 (chosen)
 
   Options options_;
   PointFlow<Store> flow_;

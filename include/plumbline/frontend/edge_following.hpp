@@ -28,15 +28,19 @@
 namespace plumbline {
 
 struct EdgeFollowingOptions {
-  /// Sigma of an endpoint normal to the segment that the length of the edge does not reduce [px].
+  /// Sigma of an endpoint normal to the segment that the length of the edge does not reduce [px];
+  /// tuned: docs/decisions/042.
   float sigma_px = 0.4f;
-  float peak_spacing_px = 4;  ///< distance of edge points with independent errors [px]
-  int target_count = 60;      ///< new lines are added until this many landmarks are in view
-  /// Distance of a first search normal to the edge [px]; if it fails, or is not smaller, `tracking.search_px` is
-  /// used.
+  /// Distance of edge points with independent errors [px]; geometry: closer peaks share pixels.
+  float peak_spacing_px = 4;
+  /// New lines are added until this many landmarks are in view; tuned: docs/decisions/136 (chosen).
+  int target_count = 60;
+  /// Distance of a first search normal to the edge [px]; if it fails, or is not smaller, `tracking.search_px` is used;
+  /// numerics: larger than any search range.
   float search_first_px = 1e3f;
-  float search_again_px = 5;  ///< search distance normal to the edge when the pose is estimated [px]
-  /// Search all lines again when the pose is estimated; else only those not found.
+  /// Search distance normal to the edge when the pose is estimated [px]; tuned: docs/decisions/136 (chosen).
+  float search_again_px = 5;
+  /// Search all lines again when the pose is estimated; else only those not found; tuned: docs/decisions/136 (chosen).
   bool search_tracked_again = true;
   LineDetectorOptions detector;
   LineTrackingOptions tracking;
@@ -49,7 +53,7 @@ struct EdgeFollowingOptions {
 template <class Base, SensorRig Sensors>
 struct LineOptionsOf : Base {
   constexpr LineOptionsOf() {
-    if constexpr (Sensors::has_depth) this->sigma_px = 0.2f;
+    if constexpr (Sensors::has_depth) this->sigma_px = 0.2f;  // tuned: docs/decisions/042
   }
 };
 

@@ -16,8 +16,10 @@
 namespace plumbline {
 
 struct ImageMotionOptions : ImageAlignmentOptions {
-  double sigma_rotation = 0.05;  ///< prior sigma of the predicted rotation when the prediction has none [rad]
-  /// Prior sigma of the predicted translation when the prediction has none, relative to the mean range.
+  /// Prior sigma of the predicted rotation when the prediction has none [rad]; tuned: docs/decisions/135 (chosen).
+  double sigma_rotation = 0.05;
+  /// Prior sigma of the predicted translation when the prediction has none, relative to the mean range;
+  /// tuned: docs/decisions/135 (chosen).
   double sigma_translation = 0.05;
 };
 

@@ -94,9 +94,9 @@ class ImagePair {
   }
 
  private:
-  static constexpr float least_contrast = 0.25f;    ///< relative to the kept image
-  static constexpr int search_x = 5, search_y = 3;  ///< steps of the search to either side
-  static constexpr float search_step_px = 3;        ///< in pixels of the thumbnail
+  static constexpr float least_contrast = 0.25f;    ///< relative to the kept image; tuned: docs/decisions/135 (chosen)
+  static constexpr int search_x = 5, search_y = 3;  ///< steps of the search to either side; tuned: docs/decisions/096
+  static constexpr float search_step_px = 3;        ///< in pixels of the thumbnail; tuned: docs/decisions/135 (chosen)
 
   static RotationAlignment<S> better(const RotationAlignment<S>& a, const RotationAlignment<S>& b) {
     return b.valid && (!a.valid || b.cost < a.cost) ? b : a;

@@ -80,7 +80,9 @@ void locate_line(Landmark& landmark, const RelativeView<S>& latest, const LineTr
                                       to_anchor(depth.measured.m_end / inverse_depth[1]));
     Mat<double, 4, 4> covariance;
     bool found = true;
-    for (int iteration = 0; iteration < 3 && found; ++iteration) {
+    constexpr int iterations = 3;    // numerics: Gauss-Newton from the measured depth
+    constexpr S max_chi2 = S(13.8);  // chi-square quantile 99.9 %, 2 degrees of freedom, as in the window
+    for (int iteration = 0; iteration < iterations && found; ++iteration) {
       DenseNormalEquations<double, 4> system;
       Vec<double, 4> step;
       detail::add_in_anchor(in_anchor.pixels, line, system);
@@ -92,7 +94,7 @@ void locate_line(Landmark& landmark, const RelativeView<S>& latest, const LineTr
     const AnchoredLine<LineReprojection<S>> pixels{in_anchor.pixels.measured};
     if (found) {
       const Vec<S, 2> r = product(in_anchor.pixels.L, pixels.linearize_in_anchor(line).r);
-      if (squared_norm(r) < S(13.8)) {  // 99.9 %, as in the window
+      if (squared_norm(r) < max_chi2) {
         detail::adopt_line(landmark, line, cast_to<S>(covariance));
       }
     }

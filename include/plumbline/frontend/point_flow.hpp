@@ -24,14 +24,21 @@
 namespace plumbline {
 
 struct PointFlowOptions {
-  double sigma_px = 0.2;  ///< sigma of an aligned observation of a patch with strong texture [px]
-  /// Intensity sigma of an aligned observation, in rms residuals of its patch; above 1 because they are correlated.
+  /// Sigma of an aligned observation of a patch with strong texture [px]; tuned: docs/decisions/051.
+  double sigma_px = 0.2;
+  /// Intensity sigma of an aligned observation, in rms residuals of its patch; above 1 because they are correlated;
+  /// tuned: docs/decisions/051.
   double sigma_residual = 4;
-  double sigma_flow_px = 1.0;  ///< sigma of an observation by optical flow alone [px]
-  int target_count = 180;      ///< corners are added until this many landmarks are in view
-  int max_searches = 200;      ///< largest number of landmarks out of view that one frame searches
-  int min_views = 1;           ///< views besides the anchor that must agree to locate a point without depth
-  float max_drift_px = 2.0f;   ///< largest distance between the results of flow and alignment [px]
+  /// Sigma of an observation by optical flow alone [px]; tuned: docs/decisions/135 (chosen).
+  double sigma_flow_px = 1.0;
+  /// Corners are added until this many landmarks are in view; tuned: docs/decisions/135 (chosen).
+  int target_count = 180;
+  /// Largest number of landmarks out of view that one frame searches; tuned: docs/decisions/135 (chosen).
+  int max_searches = 200;
+  /// Views besides the anchor that must agree to locate a point without depth; geometry: two views triangulate.
+  int min_views = 1;
+  /// Largest distance between the results of flow and alignment [px]; tuned: docs/decisions/135 (chosen).
+  float max_drift_px = 2.0f;
   OpticalFlowOptions flow;
   AlignmentOptions alignment;
   SlantOptions slant;
@@ -47,9 +54,9 @@ template <SensorRig Sensors>
 struct PointOptionsOf : PointFlowOptions {
   constexpr PointOptionsOf() {
     if constexpr (Sensors::has_imu) {
-      sigma_px = 0.1;
-      sigma_residual = 3;
-      if constexpr (Sensors::has_depth) min_views = 3;
+      sigma_px = 0.1;                                   // tuned: docs/decisions/051
+      sigma_residual = 3;                               // tuned: docs/decisions/051
+      if constexpr (Sensors::has_depth) min_views = 3;  // tuned: docs/decisions/070
     }
   }
 };
@@ -224,7 +231,7 @@ class PointFlow {
   /// Sets the current observation from feature alignment, with its information; not valid if the alignment failed.
   void observe(const View<Sensors>& view, Landmark& landmark, const Alignment& aligned) const {
     observe(view, landmark, aligned.valid, aligned.uv);
-    constexpr float least_rms = 0.25f;  // quantization of intensities
+    constexpr float least_rms = 0.25f;  // numerics: quantization of intensities, about 1/sqrt(12)
     const float sigma_intensity = float(options_.sigma_residual) * std::max(aligned.rms, least_rms);
     if (aligned.valid)
       landmark.current.L = whitening_of(aligned.information_per_intensity, float(options_.sigma_px), sigma_intensity);
@@ -249,7 +256,8 @@ class PointFlow {
   }
 
  private:
-  static constexpr float border_px = 8;  ///< half an alignment patch and the interpolation's neighbor
+  /// geometry: half an alignment patch and the interpolation's neighbor.
+  static constexpr float border_px = 8;
 
   static bool inside(const View<Sensors>& view, const Vec<S, 2>& uv, float border) {
     return view.current.level(0).contains(float(uv.x()), float(uv.y()), border);
@@ -292,7 +300,8 @@ class PointFlow {
     const Vec<S, 3> p_anchor = T_cam_anchor.inverse() * Vec<S, 3>(bearing / (depth.value * bearing.z()));
     const S range = norm(p_anchor);
     // The direction from the anchor to the measured point must agree with the bearing in the anchor.
-    if (!(dot(p_anchor, landmark.geometry.bearing) > S(0.999) * range)) return;
+    constexpr S min_cosine = S(0.999);  // geometry: 2.6 degrees
+    if (!(dot(p_anchor, landmark.geometry.bearing) > min_cosine * range)) return;
     landmark.located = true;
     landmark.geometry.inverse_range = S(1) / range;
     landmark.geometry.sigma_inverse_range = depth.sigma * bearing.z();

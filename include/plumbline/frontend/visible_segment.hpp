@@ -13,8 +13,8 @@ template <SensorRig Sensors>
 bool visible_segment(const View<Sensors>& view, const Vec<typename Sensors::Scalar, 3>& p,
                      const Vec<typename Sensors::Scalar, 3>& q, LineSegment& out) {
   using S = typename Sensors::Scalar;
-  constexpr int parts = 16;
-  constexpr float border_px = 4;
+  constexpr int parts = 16;       // numerics: ends to a sixteenth of the segment
+  constexpr float border_px = 4;  // geometry: profiles of 4 px to both sides
   const auto project = [&](int k, Vec<float, 2>& uv) {
     const Vec<S, 3> at = p + (S(k) / S(parts)) * (q - p);
     const Projection<S> projection = view.camera().project(at);

@@ -38,19 +38,22 @@
 namespace plumbline {
 
 struct InertialAlignmentOptions {
-  bool metric = false;           ///< the positions of the camera poses are in meters
-  double rotation_sigma = 2e-3;  ///< sigma of the rotation of a camera pose [rad]
-  /// Sigma of the position of a camera pose besides its own covariance, in units of the poses.
+  bool metric = false;           ///< the positions of the camera poses are in meters; set by the initializer
+  double rotation_sigma = 2e-3;  ///< sigma of the rotation of a camera pose [rad]; tuned: docs/decisions/132 (chosen)
+  /// Sigma of the position of a camera pose besides its own covariance, in units of the poses;
+  /// tuned: docs/decisions/023.
   double position_sigma = 2e-3;
-  double accel_bias_sigma = 0.2;  ///< prior sigma of the accelerometer bias [m/s^2]
-  std::size_t min_frames = 5;     ///< smallest number of frames
-  /// Largest rms rotation between camera and gyroscope after the bias is estimated [rad].
+  double accel_bias_sigma = 0.2;  ///< prior sigma of the accelerometer bias [m/s^2]; tuned: docs/decisions/024
+  std::size_t min_frames = 5;     ///< smallest number of frames; numerics: 4 determine the unknowns
+  /// Largest rms rotation between camera and gyroscope after the bias is estimated [rad];
+  /// tuned: docs/decisions/132 (chosen).
   double max_gyro_residual = 0.02;
-  double max_chi2 = 3;  ///< largest chi2 per degree of freedom; below 1 for consistent poses
-  /// Largest error of the norm of free gravity, relative, besides three of its sigmas.
+  double max_chi2 = 3;  ///< largest chi2 per degree of freedom; below 1 for consistent poses; tuned: docs/decisions/023
+  /// Largest error of the norm of free gravity, relative, besides three of its sigmas;
+  /// tuned: docs/decisions/132 (chosen).
   double max_gravity_error = 0.1;
-  double max_gravity_sigma = 0.05;  ///< largest sigma of the direction of gravity [rad]
-  double max_scale_sigma = 0.1;     ///< largest sigma of the scale, relative
+  double max_gravity_sigma = 0.05;  ///< largest sigma of the direction of gravity [rad]; tuned: docs/decisions/023
+  double max_scale_sigma = 0.1;     ///< largest sigma of the scale, relative; tuned: docs/decisions/023
 };
 
 /// Result of an alignment, or the reason why there is none.
@@ -187,7 +190,8 @@ bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chai
   Mat<double, 6, 6> variance = product_transposed(J_rotation, J_rotation);
   variance = (options.rotation_sigma * options.rotation_sigma) * variance;
   variance += cast_to<double>(block<6, 6>(d.covariance, 3, 3));
-  for (int k = 0; k < 6; ++k) variance(k, k) += 1e-12;
+  constexpr double variance_floor = 1e-12;  // numerics: S stays regular
+  for (int k = 0; k < 6; ++k) variance(k, k) += variance_floor;
   variance = (lambda * lambda) * variance;
   const Mat3 noise_end = product(R_i_j.matrix(), cast_to<double>(end.position_covariance));
   const Mat3 noise = cast_to<double>(begin.position_covariance) + product_transposed(noise_end, R_i_j.matrix());
@@ -239,8 +243,9 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
   Vec<double, 3> g = zeros<double, 3>();
   double lambda = 1;
   VelocityChain<MaxFrames, Unknowns::count> chain;
-  constexpr int free_rounds = 2, rounds = 7;       // the weights depend on lambda
-  constexpr double pinned = 1e6, on_sphere = 1e4;  // weights: 1/sigma
+  constexpr int free_rounds = 2, rounds = 7;       // numerics: the weights depend on lambda
+  constexpr double pinned = 1e6, on_sphere = 1e4;  // weights, 1/sigma; numerics: constraints
+  constexpr double gate_sigmas = 3;                // chi-square quantile 99.7 %, 1 degree of freedom
   for (int round = 0; round < rounds; ++round) {
     const bool free = round < free_rounds;
     const auto add_prior = [&](int k, double weight, double value) {
@@ -275,7 +280,7 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
       const double chi2 = chain.cost() / (freedom + (options.metric ? 1 : 0));
       const double sigma = std::sqrt(std::max(1.0, chi2) * quadratic_form(chain.covariance(), J));
       const double error = std::abs(out.gravity_norm - gravity);
-      if (!(error <= options.max_gravity_error * gravity + 3 * sigma))
+      if (!(error <= options.max_gravity_error * gravity + gate_sigmas * sigma))
         return stop(AlignmentOutcome::gravity_implausible);
       // With little acceleration the mean specific force gives the vertical better than the positions.
       if (!(error <= options.max_gravity_error * gravity)) g = -gravity * normalized(force.mean);

@@ -13,10 +13,12 @@
 namespace plumbline {
 
 struct FullScaleOptions {
-  double min_full_scale = 0;  ///< smallest possible full scale, in units of the sensor
-  int min_arrivals = 10;      ///< arrivals at the largest value before it counts as full scale
-  double min_ratio = 4;       ///< smallest ratio of its arrivals to those at the next smaller value
-  int max_samples = 1000;     ///< samples after which the counts are reset
+  double min_full_scale = 0;  ///< smallest possible full scale, in units of the sensor; numerics: no limit
+  /// Arrivals at the largest value before it counts as full scale; tuned: docs/decisions/005.
+  int min_arrivals = 10;
+  /// Smallest ratio of its arrivals to those at the next smaller value; tuned: docs/decisions/005.
+  double min_ratio = 4;
+  int max_samples = 1000;  ///< samples after which the counts are reset; tuned: docs/decisions/005
 };
 
 class FullScaleFinder {

@@ -15,7 +15,7 @@
 namespace plumbline {
 
 template <std::floating_point S>
-inline constexpr S standard_gravity = S(9.81);  ///< G [m/s^2]
+inline constexpr S standard_gravity = S(9.81);  ///< G [m/s^2]; geometry: mid-latitudes
 
 /// (1)
 template <std::floating_point S>
@@ -27,7 +27,8 @@ Vec<S, 3> gravity_in_world(S magnitude = standard_gravity<S>) {
 template <std::floating_point S>
 SO3<S> upright(const Vec<S, 3>& gravity_body) {
   const Vec<S, 3> up = -normalized(gravity_body);
-  const Vec<S, 3> axis = std::abs(up.x()) < S(0.7071) ? Vec<S, 3>(1, 0, 0) : Vec<S, 3>(0, 0, 1);
+  constexpr S cos_45_deg = S(0.7071);  // geometry: x where it is farther than 45 degrees from the vertical
+  const Vec<S, 3> axis = std::abs(up.x()) < cos_45_deg ? Vec<S, 3>(1, 0, 0) : Vec<S, 3>(0, 0, 1);
   const Vec<S, 3> x = normalized(axis - dot(axis, up) * up);
   const Vec<S, 3> y = up.cross(x);
   Mat<S, 3, 3> R_world_body;

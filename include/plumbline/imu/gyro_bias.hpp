@@ -32,7 +32,8 @@ GyroBias estimate_gyro_bias(std::span<const AlignmentFrame<P>> frames, const SO3
   GyroBias out;
   if (frames.size() < 2) return out;
   const SO3<double> R_cam_body = R_body_cam.inverse().template cast<double>();
-  constexpr int rounds = 3;
+  constexpr int rounds = 3;                        // numerics: (5) is linear in the bias about the last one
+  constexpr double variance_floor = 1e-12;         // numerics: the variance stays regular
   for (int round = 0; round <= rounds; ++round) {  // the last one gives the residual
     Mat<double, 3, 3> H = zeros<double, 3, 3>();
     Vec<double, 3> b = zeros<double, 3>();
@@ -44,7 +45,7 @@ GyroBias estimate_gyro_bias(std::span<const AlignmentFrame<P>> frames, const SO3
       const Vec<double, 3> e = (d.delta.dR.template cast<double>().inverse() * R_i.inverse() * R_j).log();
       const Mat<double, 3, 3> J = cast_to<double>(d.J_R_g());
       Mat<double, 3, 3> variance = cast_to<double>(block<3, 3>(d.covariance, 0, 0));
-      for (int i = 0; i < 3; ++i) variance(i, i) += 2 * rotation_sigma * rotation_sigma + 1e-12;
+      for (int i = 0; i < 3; ++i) variance(i, i) += 2 * rotation_sigma * rotation_sigma + variance_floor;
       const Mat<double, 3, 3> W = variance.inverse(), Jt_W = J.transpose() * W;
       const Vec<double, 3> bias = cast_to<double>(d.bias_gyro);
       H += Jt_W * J;

@@ -38,15 +38,20 @@
 namespace plumbline {
 
 struct ImuBufferOptions {
-  double gyro_full_scale = 34.9;    ///< full scale of the gyroscope [rad/s]; 2000 deg/s
-  double accel_full_scale = 156.9;  ///< full scale of the accelerometer [m/s^2]; 16 g
-  double gap_s = 0.025;             ///< samples further apart than this are a gap [s]
-  double gyro_rate = 10;            ///< typical rate of change of the angular rate [rad/s^2]
-  double accel_rate = 50;           ///< typical rate of change of the specific force [m/s^3]
-  double vibration = 0.3;           ///< fraction of the scatter of the accelerometer that counts as noise, (8b)
-  double vibration_s = 0.5;         ///< time constant of the scatter [s]
-  double max_jump_s = 1;            ///< largest step of time stamps that is no clock jump [s]
-  int frozen_samples = 25;          ///< repetitions of all six numbers after which a sensor counts as frozen
+  double gyro_full_scale = 34.9;    ///< full scale of the gyroscope [rad/s]; sensor: MEMS of 2000 deg/s
+  double accel_full_scale = 156.9;  ///< full scale of the accelerometer [m/s^2]; sensor: MEMS of 16 g
+  double gap_s = 0.025;             ///< samples further apart than this are a gap [s]; sensor: five samples at 200 Hz
+  /// Typical rate of change of the angular rate [rad/s^2]; tuned: docs/decisions/137 (chosen).
+  double gyro_rate = 10;
+  /// Typical rate of change of the specific force [m/s^3]; tuned: docs/decisions/137 (chosen).
+  double accel_rate = 50;
+  /// Fraction of the scatter of the accelerometer that counts as noise, (8b); tuned: docs/decisions/002.
+  double vibration = 0.3;
+  double vibration_s = 0.5;  ///< time constant of the scatter [s]; tuned: docs/decisions/137 (chosen)
+  /// Largest step of time stamps that is no clock jump [s]; tuned: docs/decisions/137 (chosen).
+  double max_jump_s = 1;
+  /// Repetitions of all six numbers after which a sensor counts as frozen; tuned: docs/decisions/137 (chosen).
+  int frozen_samples = 25;
 };
 
 /// Coverage of a requested time by samples. Frozen and saturated time may overlap the others.
@@ -146,9 +151,11 @@ class ImuBuffer {
     Vec<double, 3> vibration = zeros<double, 3>();  ///< v of (8b), by axis [m^2/s^4]
   };
 
+  /// Smallest full scale that is detected [rad/s, m/s^2]; tuned: docs/decisions/005.
+  static constexpr double min_gyro_full_scale = 1, min_accel_full_scale = 5;
   static constexpr TimeNs never_used = std::numeric_limits<TimeNs>::min();
-  static constexpr double saturation_ratio =
-      0.995;  ///< of full scale: the largest value is one unit less, and may be bias-corrected
+  /// Of full scale; sensor: the largest value is one unit less, and may be bias-corrected.
+  static constexpr double saturation_ratio = 0.995;
 
   bool frozen(const Item& item) const { return item.repeated >= options_.frozen_samples; }
 
@@ -187,14 +194,15 @@ class ImuBuffer {
 
   ImuBufferOptions options_;
   RingBuffer<Item, Capacity> items_;
-  FullScaleFinder gyro_full_scale_{{.min_full_scale = 1}}, accel_full_scale_{{.min_full_scale = 5}};
+  FullScaleFinder gyro_full_scale_{{.min_full_scale = min_gyro_full_scale}};
+  FullScaleFinder accel_full_scale_{{.min_full_scale = min_accel_full_scale}};
   TimeNs used_ns_ = never_used;
   ImuCounts counts_;
 };
 
 template <std::size_t Capacity>
 Result<typename ImuBuffer<Capacity>::Accepted> ImuBuffer<Capacity>::add(const ImuSample& sample) {
-  constexpr TimeNs possible_ns = 4'000'000'000'000'000'000;  // differences fit into 64 bits
+  constexpr TimeNs possible_ns = 4'000'000'000'000'000'000;  // numerics: differences fit into 64 bits
   if (!all_finite(sample.gyro) || !all_finite(sample.accel) || sample.t_ns < -possible_ns ||
       sample.t_ns > possible_ns) {
     ++counts_.not_finite;

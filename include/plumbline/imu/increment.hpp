@@ -68,8 +68,9 @@ struct ImuIncrement {
 
   /// L, lower triangular, L^T L = S^-1. A floor of sigma 1e-6 (rad, m, m/s) and 1e-7 (biases) keeps S regular.
   Result<Mat<S, 15, 15>> square_root_information() const {
+    constexpr S motion_floor = S(1e-12), bias_floor = S(1e-14);  // numerics: S stays regular
     Mat<S, 15, 15> floored = covariance;
-    for (int k = 0; k < 15; ++k) floored(k, k) += k < 9 ? S(1e-12) : S(1e-14);
+    for (int k = 0; k < 15; ++k) floored(k, k) += k < 9 ? motion_floor : bias_floor;
     return plumbline::square_root_information(floored);
   }
 };

@@ -66,7 +66,8 @@ class Preintegration {
     const Vec<S, 3> d = bias_gyro - increment_.bias_gyro;
     const S angle = norm(d) * increment_.duration, variance = increment_.covariance(6, 6);
     const S velocity = norm(increment_.J_v_g() * d) * angle;
-    return !(angle <= S(0.01)) || velocity * velocity > S(0.01) * variance;
+    constexpr S max_angle = S(0.01), max_error2 = S(0.01);  // numerics: error of (7) below a tenth of its sigma
+    return !(angle <= max_angle) || velocity * velocity > max_error2 * variance;
   }
 
   const ImuIncrement<S>& increment() const { return increment_; }
@@ -80,7 +81,8 @@ class Preintegration {
     intervals_.resize(Capacity / 2);
     S duration = S(0);
     for (const ImuInterval<S>& interval : intervals_) duration += interval.dt;
-    step_s_ = S(2.002) * duration / S(Capacity);
+    constexpr S pair = S(2.002);  // numerics: two intervals, with the rounding of time stamps
+    step_s_ = pair * duration / S(Capacity);
   }
 
   ImuNoise noise_;

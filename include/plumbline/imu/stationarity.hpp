@@ -22,22 +22,23 @@
 namespace plumbline {
 
 struct StationarityOptions {
-  int blocks = 10;             ///< number of blocks
-  double block_s = 0.1;        ///< length of a block [s]
-  int min_block_samples = 3;   ///< smallest number of samples in a block
-  double gyro_spread = 0.012;  ///< limit of (3) for the gyroscope [rad/s]
-  double accel_spread = 0.2;   ///< limit of (3) for the accelerometer [m/s^2]
-  double gyro_bias = 0.2;      ///< largest plausible gyroscope bias [rad/s]
-  double gravity_error = 0.5;  ///< largest | |mean a| - G | [m/s^2]
+  int blocks = 10;             ///< number of blocks; tuned: docs/decisions/021
+  double block_s = 0.1;        ///< length of a block [s]; tuned: docs/decisions/021
+  int min_block_samples = 3;   ///< smallest number of samples in a block; sensor: IMU of 30 Hz and more
+  double gyro_spread = 0.012;  ///< limit of (3) for the gyroscope [rad/s]; tuned: docs/decisions/021
+  double accel_spread = 0.2;   ///< limit of (3) for the accelerometer [m/s^2]; tuned: docs/decisions/021
+  /// Largest plausible gyroscope bias [rad/s]; sensor: zero-rate offset of MEMS, about 10 deg/s.
+  double gyro_bias = 0.2;
+  double gravity_error = 0.5;  ///< largest | |mean a| - G | [m/s^2]; sensor: zero-g offset of MEMS, about 50 mg
 };
 
 /// Stationary, or the reason why not.
-enum class StationarityVerdict : std::uint8_t { is_stationary, too_few_samples, rotating, accelerating, implausible };
+enum class StationarityVerdict : std::uint8_t { stationary, too_few_samples, rotating, accelerating, implausible };
 
 /// For logs.
 constexpr const char* name_of(StationarityVerdict verdict) {
   switch (verdict) {
-    case StationarityVerdict::is_stationary: return "stationary";
+    case StationarityVerdict::stationary: return "stationary";
     case StationarityVerdict::too_few_samples: return "too few samples";
     case StationarityVerdict::rotating: return "rotating";
     case StationarityVerdict::accelerating: return "accelerating";
@@ -53,7 +54,7 @@ struct StationarityReport {
   Vec<double, 3> mean_accel = zeros<double, 3>();  ///< [m/s^2]
   double gyro_spread = 0, accel_spread = 0;        ///< (3) [rad/s, m/s^2]
 
-  bool is_stationary() const { return verdict == StationarityVerdict::is_stationary; }
+  bool is_stationary() const { return verdict == StationarityVerdict::stationary; }
 };
 
 /// Test of the samples up to `t_end_ns`; `gravity`: G [m/s^2].
@@ -90,7 +91,7 @@ StationarityReport stationarity(const ImuBuffer<Capacity>& buffer, TimeNs t_end_
              !(std::abs(norm(out.mean_accel) - gravity) <= options.gravity_error)) {
     out.verdict = StationarityVerdict::implausible;
   } else {
-    out.verdict = StationarityVerdict::is_stationary;
+    out.verdict = StationarityVerdict::stationary;
   }
   return out;
 }

@@ -72,7 +72,8 @@ class VelocityChain {
     for (int k = 0; k <= last; ++k) {
       for (int i = 0; i < 3; ++i) compare(rows_of(k)[i][i]);
     }
-    if (!(smallest > 1e-13 * largest)) return false;
+    constexpr double min_pivot_ratio = 1e-13;  // numerics: singular below
+    if (!(smallest > min_pivot_ratio * largest)) return false;
 
     for (int n = 0; n < N; ++n) common_[n] = R_[6 + n][columns - 1];
     back_substitute(&R_[6], 6, common_);

@@ -12,8 +12,8 @@ namespace plumbline {
 /// Restarts the window at the states of the alignment, `state_of(slot)`, and solves it; then once more, linearized at
 /// the solution: the states of the alignment are too inaccurate for that. IMU factors are active from now on, the prior
 /// is that of the alignment. Without depth the distance between the oldest and the newest frame is held by the sigma of
-/// the scale: few frames alone determine it badly. That sigma is at least min_scale_sigma of the length, since the errors
-/// of the aligned poses are correlated.
+/// the scale: few frames alone determine it badly. That sigma is at least min_scale_sigma of the length, since the
+/// errors of the aligned poses are correlated.
 template <class Initializer>
 void solve_aligned_window(const Initializer& initializer, const LevenbergMarquardtOptions& solver, const auto& view,
                           auto& window, const auto& motion, const auto& T_body_cam, auto&& state_of) {

@@ -19,7 +19,7 @@ namespace plumbline {
 template <class S>
 class AlignmentWindow {
  public:
-  static constexpr int capacity = 24;
+  static constexpr int capacity = 24;  ///< largest number of poses; tuned: docs/decisions/132 (chosen)
   using Increment = Preintegration<S, 64>;
   using Outcome = InertialAlignment<S, capacity>;
 
@@ -89,7 +89,7 @@ class AlignmentWindow {
     Increment increment;
   };
 
-  static constexpr int max_doublings = 2;
+  static constexpr int max_doublings = 2;  ///< of the interval of the poses; tuned: docs/decisions/132 (chosen)
 
   /// The camera pose at the boundary of the samples: displaced from that of the image by the change of the time offset,
   /// along a straight line from the previous to the next pose.                     docs/math/camera_imu.md

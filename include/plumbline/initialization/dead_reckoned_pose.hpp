@@ -55,8 +55,8 @@ class DeadReckonedPose {
     dead_reckoning_.begin(x, navigation.covariance(), S(0));
     dead_reckoning_.mark_lost();
   }
-  /// Adds the uncertainty of the path since `since_ns` to the covariance, and restores the biases that the state had when
-  /// initialization was completed. For a rejected initialization, whose path and biases are wrong.
+  /// Adds the uncertainty of the path since `since_ns` to the covariance, and restores the biases that the state had
+  /// when initialization was completed. For a rejected initialization, whose path and biases are wrong.
   ///   sigma_p = hypot(distance from the initial pose, lost_speed * s),   sigma_heading = gyro_bias_sigma * s
   /// with s the time since `since_ns` [s] and gyro_bias_sigma in [rad/s].
   void discard_path(auto& window, auto& navigation, TimeNs since_ns, double gyro_bias_sigma) const {
@@ -87,8 +87,8 @@ class DeadReckonedPose {
     x.T_world_body = T_world_initial_ * x.T_world_body;
     return x;
   }
-  /// From coordinates of vision to those of the world of the navigation: x_world = S x_vision, by which state_of maps the
-  /// camera.
+  /// From coordinates of vision to those of the world of the navigation: x_world = S x_vision, by which state_of maps
+  /// the camera.
   Sim3<S> similarity(const auto& initializer, const SE3<S>& T_body_cam) const {
     const State origin = state_of(initializer, SE3<S>(), T_body_cam);
     const SE3<S> T_world_cam = origin.T_world_body * T_body_cam;
@@ -131,8 +131,8 @@ class DeadReckonedPose {
                           S(initializer.scale_sigma() * double(norm(x.v_world_body)) + velocity_sigma_));
     return true;
   }
-  /// Sets the stationary pose: tilt, biases and zero velocity are determined, in the world frame that InertialInitializer
-  /// gives to the window. `known` is the state of the body at the origin.
+  /// Sets the stationary pose: tilt, biases and zero velocity are determined, in the world frame that
+  /// InertialInitializer gives to the window. `known` is the state of the body at the origin.
   void apply_stationary(State known, double accel_bias_sigma, auto& window, auto& navigation) {
     State x = window.latest();
     x.bias_gyro = known.bias_gyro;

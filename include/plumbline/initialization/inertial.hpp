@@ -19,24 +19,27 @@
 namespace plumbline {
 
 struct InertialInitializerOptions {
-  double frame_interval_s = 0.1;  ///< interval of the aligned poses [s]
-  double gyro_bias_sigma = 0.02;  ///< prior of the first frame, each axis [rad/s]
-  double accel_bias_sigma = 0.2;  ///< prior of the first frame, each axis [m/s^2]
-  /// Smallest relative sigma of the length that the restarted window holds. Errors of the aligned poses are correlated.
+  double frame_interval_s = 0.1;  ///< interval of the aligned poses [s]; tuned: docs/decisions/132 (chosen)
+  double gyro_bias_sigma = 0.02;  ///< prior of the first frame, each axis [rad/s]; tuned: docs/decisions/132 (chosen)
+  double accel_bias_sigma = 0.2;  ///< prior of the first frame, each axis [m/s^2]; tuned: docs/decisions/024
+  /// Smallest relative sigma of the length that the restarted window holds. Errors of the aligned poses are correlated;
+  /// tuned: docs/decisions/025.
   double min_scale_sigma = 0.05;
-  /// Largest relative sigma of the scale of an up-to-scale pose that is published.
+  /// Largest relative sigma of the scale of an up-to-scale pose that is published; tuned: docs/decisions/009.
   double max_uncertain_scale_sigma = 0.7;
-  /// Largest accelerometer bias in the first joint solution, in units of accel_bias_sigma.
+  /// Largest accelerometer bias in the first joint solution, in units of accel_bias_sigma; tuned: docs/decisions/008.
   double max_accel_bias_sigmas = 5;
-  /// Change of the time offset beyond which the poses so far are outdated [s].
+  /// Change of the time offset beyond which the poses so far are outdated [s]; tuned: docs/decisions/027.
   double max_time_error_s = 5e-3;
-  /// Change of the readout time beyond which the poses so far are outdated [s].
+  /// Change of the readout time beyond which the poses so far are outdated [s]; tuned: docs/decisions/132 (chosen).
   double max_readout_error_s = 4e-3;
-  /// Sigma of the time offset below which it is accepted for the first joint solution [s].
+  /// Sigma of the time offset below which it is accepted for the first joint solution [s];
+  /// tuned: docs/decisions/132 (chosen).
   double max_time_sigma_s = 3e-3;
-  /// Longest wait for a significant time offset error to be estimated to that sigma, from the first view on [s].
+  /// Longest wait for a significant time offset error to be estimated to that sigma, from the first view on [s];
+  /// tuned: docs/decisions/027.
   double max_time_wait_s = 2;
-  /// Time of contradicting poses and IMU samples after which the map is rejected [s].
+  /// Time of contradicting poses and IMU samples after which the map is rejected [s]; tuned: docs/decisions/008.
   double max_contradiction_s = 2;
   InertialAlignmentOptions alignment;
   ScaleVerificationOptions scale_verification;
@@ -168,7 +171,7 @@ class InertialInitializer {
   }
 
  private:
-  static constexpr int max_offset_rejections = 2;
+  static constexpr int max_offset_rejections = 2;  ///< in a row; tuned: docs/decisions/031
   using Alignment = typename AlignmentWindow<S>::Outcome;
   bool is_usable(const Alignment& found) const {
     return found || (found.is_uncertain() && found.scale_sigma < options_.max_uncertain_scale_sigma);

@@ -1,6 +1,6 @@
 #pragma once
-/// Initialization of an estimator: landmarks with depth and, with an IMU, scale, gravity, velocities and biases. It drives
-/// an initializer (initialization/) with the frames, and says by events how far it has come.
+/// Initialization of an estimator: landmarks with depth and, with an IMU, scale, gravity, velocities and biases. It
+/// drives an initializer (initialization/) with the frames, and says by events how far it has come.
 ///
 /// The components that it acts on are passed in: the tracker of frames, the window of keyframes, the motion model, the
 /// calibration state, the navigation state, the report of the frame, and the tracking status.
@@ -37,9 +37,9 @@ class Initialization {
   explicit Initialization(const auto& options)
       : initializer_(options.initialization),
         pose_(Pose(options)),
-        solver_(options.backend.solver),
         min_landmarks_(options.recovery.min_landmarks),
         stop_(options.motion) {
+    if constexpr (!is_complete) solver_ = options.backend.solver;
     solver_.max_iterations *= 2;
     if constexpr (verifies_scale) scale_verification_ = ScaleVerification(options.initialization.scale_verification);
   }

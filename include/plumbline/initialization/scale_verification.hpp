@@ -7,11 +7,14 @@
 namespace plumbline {
 
 struct ScaleVerificationOptions {
-  double min_s = 3;                    ///< shortest time from initialization to convergence [s]
-  double max_speed_sigma = 0.02;       ///< largest relative sigma of the speed at convergence
-  double speed_noise = 0.01;           ///< sigma that suffices for a slow body [m/s]
-  double max_slow_speed_sigma = 0.05;  ///< largest relative sigma of a slow body's speed
-  double max_disagreement_s = 0.5;     ///< time of contradiction within min_s after which the scale is rejected [s]
+  /// Shortest time from initialization to convergence [s]; tuned: docs/decisions/007.
+  double min_s = 3;
+  /// Largest relative sigma of the speed at convergence; tuned: docs/decisions/007.
+  double max_speed_sigma = 0.02;
+  double speed_noise = 0.01;           ///< sigma that suffices for a slow body [m/s]; tuned: docs/decisions/007
+  double max_slow_speed_sigma = 0.05;  ///< largest relative sigma of a slow body's speed; tuned: docs/decisions/007
+  /// Time of contradiction within min_s after which the scale is rejected [s]; tuned: docs/decisions/008.
+  double max_disagreement_s = 0.5;
 };
 
 class ScaleVerification {

@@ -18,9 +18,11 @@
 namespace plumbline {
 
 struct TwoViewInitializerOptions {
-  double min_parallax_rad = 0.035;  ///< smallest parallax of the two views [rad]
-  double min_inliers = 0.7;         ///< smallest fraction of the pairs that fit, in front of both views
-  double max_wait_s = 4;            ///< age of a first view after which it is replaced [s]
+  double min_parallax_rad = 0.035;  ///< smallest parallax of the two views [rad]; tuned: docs/decisions/132 (chosen)
+  /// Smallest fraction of the pairs that fit, in front of both views; tuned: docs/decisions/132 (chosen).
+  double min_inliers = 0.7;
+  /// Age of a first view after which it is replaced [s]; tuned: docs/decisions/132 (chosen).
+  double max_wait_s = 4;
 };
 
 /// Solver for views whose relative rotation is known to some degrees.
@@ -28,7 +30,7 @@ template <class S, std::size_t Capacity>
 class GuidedTwoView {
  public:
   struct Options : TwoViewInitializerOptions {
-    int min_pairs = 20;
+    int min_pairs = 20;  ///< smallest number of pairs; tuned: docs/decisions/132 (chosen)
     TwoViewOptions two_view;
   };
 
@@ -46,7 +48,7 @@ template <class S, std::size_t Capacity>
 class UnguidedTwoView {
  public:
   struct Options : TwoViewInitializerOptions {
-    int min_pairs = 30;
+    int min_pairs = 30;  ///< smallest number of pairs; tuned: docs/decisions/132 (chosen)
     RelativePoseOptions two_view;
   };
 
@@ -97,8 +99,9 @@ class TwoViewInitializer {
   /// The second camera in coordinates of the first. The unit of length is five times the distance of the two views, so
   /// that most points are at a distance of some units.
   SE3<S> T_1_2() const {
+    constexpr S distance = S(0.2);  // of the two views; numerics: inverse ranges of about one
     const SE3<S> T_1_2 = T_2_1_.inverse();
-    return SE3<S>(T_1_2.rotation(), Vec<S, 3>(S(0.2) * T_1_2.p()));
+    return SE3<S>(T_1_2.rotation(), Vec<S, 3>(distance * T_1_2.p()));
   }
 
  private:

@@ -10,9 +10,9 @@ namespace plumbline {
 template <class S>
 struct WorldChange {
   enum class Kind : std::uint8_t {
-    transformed,  ///< x_new = S_new_old x_old: vision was aligned with the IMU, the world is metric and upright from now on
-    rejected,  ///< the initialization was wrong: what was learned since the last `reset` is to be discarded
-    reset,     ///< the window is cleared, all its keyframes were retired before; the next one is in a new world
+    transformed,  ///< x_new = S_new_old x_old: vision was aligned with the IMU; the world is metric and upright now
+    rejected,     ///< the initialization was wrong: what was learned since the last `reset` is to be discarded
+    reset,        ///< the window is cleared, all its keyframes were retired before; the next one is in a new world
   };
 
   Kind kind;

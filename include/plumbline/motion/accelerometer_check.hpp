@@ -23,14 +23,17 @@
 namespace plumbline {
 
 struct AccelerometerCheckOptions {
-  double half_s = 0.25;                 ///< duration of each of the two intervals [s]
-  double max_error = 0.6;               ///< smallest acceleration error that is detected; less may be bias [m/s^2]
-  double sigmas = 3;                    ///< smallest error in sigmas of the positions
-  double max_error_inconsistent = 0.3;  ///< max_error while the window reports `IMU disagrees` [m/s^2]
-  double sigmas_inconsistent = 1.5;     ///< sigmas while the window reports `IMU disagrees`
-  /// Consistent motion before the first detection [s]. Until then biases, tilt or extrinsics may be the cause.
+  double half_s = 0.25;  ///< duration of each of the two intervals [s]; tuned: docs/decisions/015
+  /// Smallest acceleration error that is detected; less may be bias [m/s^2]; tuned: docs/decisions/015.
+  double max_error = 0.6;
+  double sigmas = 3;  ///< smallest error in sigmas of the positions; tuned: docs/decisions/015
+  /// max_error while the window reports `IMU disagrees` [m/s^2]; tuned: docs/decisions/015.
+  double max_error_inconsistent = 0.3;
+  double sigmas_inconsistent = 1.5;  ///< sigmas while the window reports `IMU disagrees`; tuned: docs/decisions/015
+  /// Consistent motion before the first detection [s]. Until then biases, tilt or extrinsics may be the cause;
+  /// tuned: docs/decisions/015.
   double min_consistent_s = 3;
-  /// Time for which the accelerometer stays suspect after the last detection [s].
+  /// Time for which the accelerometer stays suspect after the last detection [s]; tuned: docs/decisions/015.
   double hold_s = 3;
 };
 
@@ -82,15 +85,17 @@ class AccelerometerCheck {
   /// Index of the latest entry that is half_s or more before entry k; none if there is no such entry.
   std::size_t half_before(std::size_t k) const {
     if (k == none) return none;
-    const double t_s = gains_[k].t_s - 0.99 * options_.half_s;
+    const double t_s = gains_[k].t_s - min_part * options_.half_s;
     while (k > 0 && gains_[k].t_s > t_s) --k;
     return gains_[k].t_s > t_s ? none : k;
   }
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  /// Part of half_s that suffices; numerics: time stamps are rounded.
+  static constexpr double min_part = 0.99;
 
   AccelerometerCheckOptions options_;
   Vec<S, 3> gain_ = zeros<S, 3>(), predicted_velocity_ = zeros<S, 3>();
-  RingBuffer<Gain, 64> gains_;  ///< enough for 128 Hz; at higher rates nothing is detected
+  RingBuffer<Gain, 64> gains_;  ///< numerics: enough for 128 Hz; at higher rates nothing is detected
   double t_s_ = 0, consistent_s_ = 0, since_detection_s_ = std::numeric_limits<double>::infinity();
 };
 

@@ -15,7 +15,8 @@
 namespace plumbline {
 
 struct ConstantVelocityOptions {
-  double max_prediction_s = 0.5;  ///< longest time over which the velocity is extrapolated [s]
+  /// Longest time over which the velocity is extrapolated [s]; tuned: docs/decisions/130 (chosen).
+  double max_prediction_s = 0.5;
 };
 
 struct NoFactor {};

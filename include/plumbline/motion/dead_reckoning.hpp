@@ -14,11 +14,14 @@
 namespace plumbline {
 
 struct DeadReckoningOptions {
-  double max_s = 3;            ///< longest propagation of the position [s]
-  double velocity_walk = 0.1;  ///< random walk of the position by bias and tilt errors [m/sqrt(s)]
-  double rate_error = 5e-3;    ///< sigma of the gyroscope bias [rad/s]
-  double lost_speed = 1;       ///< sigma of the speed of a body that is not observed [m/s]
-  double lost_rate = 1;        ///< sigma of its angular rate without gyroscope [rad/s]
+  double max_s = 3;  ///< longest propagation of the position [s]; tuned: docs/decisions/016
+  /// Random walk of the position by bias and tilt errors [m/sqrt(s)]; tuned: docs/decisions/130 (chosen).
+  double velocity_walk = 0.1;
+  double rate_error = 5e-3;  ///< sigma of the gyroscope bias [rad/s]; tuned: docs/decisions/021
+  /// Sigma of the speed of a body that is not observed [m/s]; tuned: docs/decisions/131 (chosen).
+  double lost_speed = 1;
+  /// Sigma of its angular rate without gyroscope [rad/s]; tuned: docs/decisions/131 (chosen).
+  double lost_rate = 1;
 };
 
 template <class S>
@@ -74,9 +77,9 @@ class DeadReckoning {
   /// Whether this position is preferred to another estimate p with its sigma [m]: p is beyond three sigmas of both, or
   /// its sigma is more than twice the one here.
   bool is_preferred_to(const Vec<S, 3>& p, S sigma) const {
-    const S position_sigma = std::sqrt(P_(3, 3)), gate = S(3) * std::hypot(sigma, position_sigma);
+    const S position_sigma = std::sqrt(P_(3, 3)), gate = gate_sigmas * std::hypot(sigma, position_sigma);
     const bool excludes = !lost_ && !(norm(Vec<S, 3>(p - x_.T_world_body.p())) <= gate);
-    return begun_ && (excludes || !(sigma <= S(2) * position_sigma));
+    return begun_ && (excludes || !(sigma <= max_sigma_ratio * position_sigma));
   }
 
   bool has_begun() const { return begun_; }
@@ -85,6 +88,8 @@ class DeadReckoning {
   const Covariance& covariance() const { return P_; }
 
  private:
+  static constexpr S gate_sigmas = S(3), max_sigma_ratio = S(2);  ///< tuned: docs/decisions/026
+
   DeadReckoningOptions options_;
   NavState<S> x_;
   Covariance P_ = zeros<Covariance>();

@@ -14,10 +14,10 @@
 namespace plumbline {
 
 struct GyroscopeCheckOptions {
-  double max_rate_error = 0.025;  ///< smallest jump that is detected [rad/s]
-  double rate_error_s = 0.3;      ///< time constant of the mean m [s]
-  double rate_error_sigmas = 12;  ///< smallest jump in sigmas of the mean
-  double jump_hold_s = 3;         ///< time after a jump without another detection [s]
+  double max_rate_error = 0.025;  ///< smallest jump that is detected [rad/s]; tuned: docs/decisions/014
+  double rate_error_s = 0.3;      ///< time constant of the mean m [s]; tuned: docs/decisions/014
+  double rate_error_sigmas = 12;  ///< smallest jump in sigmas of the mean; tuned: docs/decisions/014
+  double jump_hold_s = 3;         ///< time after a jump without another detection [s]; tuned: docs/decisions/014
 };
 
 template <class S>

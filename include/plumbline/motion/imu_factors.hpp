@@ -21,12 +21,17 @@
 namespace plumbline {
 
 struct ImuFactorOptions {
-  double gravity = standard_gravity<double>;  ///< magnitude of gravity [m/s^2]
-  double zero_velocity_sigma = 0.01;          ///< sigma of the velocity of a stationary body [m/s]
-  double stationary_rotation_sigma = 2e-3;    ///< sigma of the rotation between stationary frames [rad]
-  double stationary_position_sigma = 2e-3;    ///< sigma of the translation between stationary frames [m]
-  double suspect_accel_sigma = 20;            ///< sigma of a suspect accelerometer over one second [m/s^2]
-  double jump_gyro_bias = 0.2;                ///< sigma of the change of the gyroscope bias at a jump [rad/s]
+  double gravity = standard_gravity<double>;  ///< magnitude of gravity [m/s^2]; geometry: mid-latitudes
+  /// Sigma of the velocity of a stationary body [m/s]; tuned: docs/decisions/130 (chosen).
+  double zero_velocity_sigma = 0.01;
+  /// Sigma of the rotation between stationary frames [rad]; tuned: docs/decisions/130 (chosen).
+  double stationary_rotation_sigma = 2e-3;
+  /// Sigma of the translation between stationary frames [m]; tuned: docs/decisions/130 (chosen).
+  double stationary_position_sigma = 2e-3;
+  /// Sigma of a suspect accelerometer over one second [m/s^2]; tuned: docs/decisions/015.
+  double suspect_accel_sigma = 20;
+  /// Sigma of the change of the gyroscope bias at a jump [rad/s]; sensor: zero-rate offset of MEMS, about 10 deg/s.
+  double jump_gyro_bias = 0.2;
 };
 
 /// The IMU factor of a frame to the frame in slot `previous`, -1 for none.

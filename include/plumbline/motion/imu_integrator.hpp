@@ -44,7 +44,7 @@ class ImuIntegrator {
 
   const Preintegration<S>& since_frame() const { return since_frame_; }
   const ImuCoverage& coverage() const { return coverage_; }  ///< of the time since the last frame
-  bool is_missing() const { return !(coverage_.missing() < 0.5); }
+  bool is_missing() const { return !(coverage_.missing() < max_missing); }
   /// Whether the samples since the last frame do not determine the translation.
   bool is_unusable() const { return is_missing() || coverage_.saturated_s > 0 || suspect_accel_sigma_ > S(0); }
   /// Sets an additional accelerometer noise for all samples from now on: sigma over one second [m/s^2], 0 for none.
@@ -81,6 +81,9 @@ class ImuIntegrator {
     buffer_.mark_used(until_ns);
     integrated_ns_ = until_ns;
   }
+
+  /// Part of the time since the last frame; tuned: docs/decisions/017.
+  static constexpr double max_missing = 0.5;
 
   double camera_time_offset_s_;
   ImuNoise noise_;

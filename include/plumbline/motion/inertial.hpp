@@ -128,7 +128,8 @@ class Inertial {
   /// Innovation gate: whether the pose T by the images is excluded by the IMU prediction (a frozen image, a scene that
   /// moves as a whole). The gate is wider while the gyroscope is suspect.         docs/math/inertial_window.md (1b)
   bool contradicts(const Prediction<State, S>& predicted, const SE3<S>& T) const {
-    const double usual = gyro_check_.is_suspect() ? 2 * options_.innovation_gate : options_.innovation_gate;
+    const double usual =
+        gyro_check_.is_suspect() ? suspect_gate_ratio * options_.innovation_gate : options_.innovation_gate;
     const double gate = gyro_check_.has_recent_jump() ? options_.innovation_gate_after_jump : usual;
     return !imu_.is_unusable() && !predicted.prior.passes_gate(minus(T, predicted.state.T_world_body), S(gate));
   }
@@ -291,6 +292,9 @@ class Inertial {
   }
 
  private:
+  /// Of innovation_gate while the gyroscope is suspect; tuned: docs/decisions/014.
+  static constexpr double suspect_gate_ratio = 2;
+
   Vec<S, 6> twist(const State& predicted, const SE3<S>& T, const View<Sensors>& view, const SO3<S>& R_world_body,
                   const Vec<S, 3>& angular_rate) const {
     const Vec<S, 3> v = (T.p() - view.T_world_previous.p()) / view.dt;

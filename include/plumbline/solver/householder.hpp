@@ -88,7 +88,7 @@ void reflect_twice(S tau_1, const S* v_1, S& pivot_1, S tau_2, const S* v_2, S& 
   for (; k < n; ++k) tail[k] -= w_1 * v_1[k] + w_2 * v_2[k];
 }
 
-/// A pivot below this part of the largest one counts as zero.                            docs/math/solver.md (13)
+/// A pivot below this part of the largest one counts as zero.                            docs/math/solver.md (13a)
 template <class S>
 inline constexpr S rank_tolerance = std::numeric_limits<S>::epsilon() > S(1e-10)
                                         ? 10 * std::numeric_limits<S>::epsilon()

@@ -1,5 +1,5 @@
 #pragma once
-/// Real roots of a polynomial c0 + c1 x + ... + cN x^N.                                     docs/math/solver.md (15)
+/// Real roots of a polynomial c0 + c1 x + ... + cN x^N.                                     docs/math/solver.md (20)
 ///
 /// Between two neighboring roots of its derivative a polynomial is monotone and has at most one root: from the linear
 /// (N-1)th derivative up, each level's roots divide the interval for the next. Newton's method finds them, kept between

@@ -1,5 +1,5 @@
 #pragma once
-/// Eigenvalues and eigenvectors of a small symmetric matrix by cyclic Jacobi rotations.     docs/math/solver.md (14)
+/// Eigenvalues and eigenvectors of a small symmetric matrix by cyclic Jacobi rotations.     docs/math/solver.md (19)
 ///
 ///   A = V diag(values) V^T,   values descending, V orthonormal (its determinant may be -1)
 ///   tan t of the rotation that clears A_pq:  sign(h) / (|h| + sqrt(h^2 + 1)),  h = (A_qq - A_pp) / (2 A_pq)

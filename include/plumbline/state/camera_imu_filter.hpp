@@ -23,27 +23,46 @@
 namespace plumbline {
 
 struct CameraImuOptions {
-  double time_offset_sigma_s = 0.04;  ///< prior sigma of the calibrated time offset [s]; 0: the offset is fixed
-  /// Prior sigma of the calibrated rotation of the extrinsics [rad]; 0: it is fixed.
+  /// Prior sigma of the calibrated time offset [s]; 0: the offset is fixed; tuned: docs/decisions/028.
+  double time_offset_sigma_s = 0.04;
+  /// Prior sigma of the calibrated rotation of the extrinsics [rad]; 0: it is fixed;
+  /// tuned: docs/decisions/133 (chosen).
   double rotation_sigma = 0.03;
-  double detection_sigmas = 4;          ///< the offset counts as wrong when its error exceeds this many of its sigmas
-  double max_detection_sigma_s = 0.01;  ///< largest sigma of the offset with which it is corrected [s]
-  double min_error_s = 1e-3;            ///< smallest error of the offset that counts as wrong [s]
-  double correction_sigmas = 1;         ///< an offset that counts as wrong is corrected beyond this many sigmas
-  double max_step_s = 0.01;             ///< largest correction of the offset in one frame [s]
-  double max_correction_s = 0.15;       ///< largest sum of all corrections of the offset [s]
-  double step_error = 0.2;              ///< sigma that a correction adds to the offset, as a fraction of the correction
-  double angular_acceleration = 2;      ///< typical angular acceleration of the body [rad/s^2]
-  double bias_sigma = 0.1;              ///< prior sigma of the gyroscope bias [rad/s]
-  double bias_walk = 1e-3;              ///< random walk of the gyroscope bias [rad/s/sqrt(s)]
-  double vision_sigma = 7e-4;           ///< sigma of the orientation by vision besides the noise of its features [rad]
-  double drift = 1.5e-3;           ///< random walk of the world of vision against that of the gyroscope [rad/sqrt(s)]
-  double time_offset_walk = 5e-5;  ///< random walk of the offset [s/sqrt(s)]
-  double rotation_walk = 5e-5;     ///< random walk of the rotation of the extrinsics [rad/sqrt(s)]
-  double innovation_gate = 5;      ///< gate of an orientation by vision [sigma]
-  /// Orientations in a row that must pass the gate before the offset is corrected; swapped axes do not pass.
+  /// The offset counts as wrong when its error exceeds this many of its sigmas; tuned: docs/decisions/133 (chosen).
+  double detection_sigmas = 4;
+  /// Largest sigma of the offset with which it is corrected [s]; tuned: docs/decisions/133 (chosen).
+  double max_detection_sigma_s = 0.01;
+  /// Smallest error of the offset that counts as wrong [s]; tuned: docs/decisions/133 (chosen).
+  double min_error_s = 1e-3;
+  /// An offset that counts as wrong is corrected beyond this many sigmas; tuned: docs/decisions/133 (chosen).
+  double correction_sigmas = 1;
+  /// Largest correction of the offset in one frame [s]; tuned: docs/decisions/133 (chosen).
+  double max_step_s = 0.01;
+  /// Largest sum of all corrections of the offset [s]; tuned: docs/decisions/133 (chosen).
+  double max_correction_s = 0.15;
+  /// Sigma that a correction adds to the offset, as a fraction of the correction; tuned: docs/decisions/028.
+  double step_error = 0.2;
+  /// Typical angular acceleration of the body [rad/s^2]; tuned: docs/decisions/133 (chosen).
+  double angular_acceleration = 2;
+  /// Prior sigma of the gyroscope bias [rad/s]; tuned: docs/decisions/133 (chosen).
+  double bias_sigma = 0.1;
+  /// Random walk of the gyroscope bias [rad/s/sqrt(s)]; tuned: docs/decisions/133 (chosen).
+  double bias_walk = 1e-3;
+  /// Sigma of the orientation by vision besides the noise of its features [rad]; tuned: docs/decisions/133 (chosen).
+  double vision_sigma = 7e-4;
+  /// Random walk of the world of vision against that of the gyroscope [rad/sqrt(s)];
+  /// tuned: docs/decisions/133 (chosen).
+  double drift = 1.5e-3;
+  double time_offset_walk = 5e-5;  ///< random walk of the offset [s/sqrt(s)]; tuned: docs/decisions/133 (chosen)
+  /// Random walk of the rotation of the extrinsics [rad/sqrt(s)]; tuned: docs/decisions/133 (chosen).
+  double rotation_walk = 5e-5;
+  /// Gate of an orientation by vision [sigma]; tuned: docs/decisions/133 (chosen).
+  double innovation_gate = 5;
+  /// Orientations in a row that must pass the gate before the offset is corrected; swapped axes do not pass;
+  /// tuned: docs/decisions/133 (chosen).
   int min_consecutive = 10;
-  int max_rejected = 10;  ///< orientations rejected in a row after which world and bias are reset
+  /// Orientations rejected in a row after which world and bias are reset; tuned: docs/decisions/133 (chosen).
+  int max_rejected = 10;
 };
 
 class CameraImuFilter {
@@ -71,7 +90,7 @@ class CameraImuFilter {
   }
   /// Whether the offset in use is consistent with the estimate (within one sigma), or its sigma is below `sigma_s` [s].
   bool accepts_time_offset(double sigma_s) const {
-    constexpr double gate_sigmas = 1;
+    constexpr double gate_sigmas = 1;  // tuned: docs/decisions/027
     return time_offset_sigma() < sigma_s || std::abs(d_) < gate_sigmas * time_offset_sigma();
   }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// The navigation state of the latest frame: pose, velocity and biases in the world frame, and the covariance of the pose
-/// with the uncertainty of the world frame. Outages propagate it, a reset starts from it, the publisher copies it.
+/// The navigation state of the latest frame: pose, velocity and biases in the world frame, and the covariance of the
+/// pose with the uncertainty of the world frame. Outages propagate it, a reset starts from it, the publisher copies it.
 ///                                                                               docs/math/inertial_window.md (1i)
 
 #include "plumbline/core/matrix.hpp"

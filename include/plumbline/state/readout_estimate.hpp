@@ -12,9 +12,11 @@
 namespace plumbline {
 
 struct ReadoutOptions {
-  double max_s = 0.05;           ///< largest readout time [s]
-  double min_change_s = 6e-3;    ///< smallest difference to the estimate beyond which a held value is released [s]
-  double min_change_sigmas = 5;  ///< the same in sigmas of the estimate; both must be exceeded
+  double max_s = 0.05;  ///< largest readout time [s]; frame rate: one frame at 20 Hz
+  /// Smallest difference to the estimate beyond which a held value is released [s]; tuned: docs/decisions/036.
+  double min_change_s = 6e-3;
+  /// The same in sigmas of the estimate; both must be exceeded; tuned: docs/decisions/036.
+  double min_change_sigmas = 5;
 };
 
 template <class S>
