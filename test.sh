@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds everything with warnings as errors, compiles each header alone, builds a program of each other preset, and runs
-# all tests: quick ones with the address and undefined-behaviour sanitizers, those of whole estimators, recordings
+# all tests: quick ones with the address and undefined-behavior sanitizers, those of whole estimators, recordings
 # and programs as a user's release, those of two threads with the thread sanitizer too. Installs what is missing; may be
 # run again at any time.
 set -euo pipefail

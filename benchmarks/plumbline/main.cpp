@@ -100,7 +100,8 @@ void add_run(CLI::App& app, RunOptions& options) {
   command->add_option("--timing", options.files.timing, "Times, health and sigmas of each frame to write, CSV");
   command->add_option("--states", options.files.states,
                       "Pose, velocity, biases, covariance and readout time of each frame to write, CSV");
-  command->add_flag("--all-poses", options.all_poses, "Poses while lost, and of a rough scale at the start, too");
+  command->add_flag("--all-poses", options.all_poses,
+                    "Poses while lost, and of uncertain scale before initialization, too");
   command->add_option("--landmarks", options.files.landmarks, "Points of the final map to write, PLY");
   command->add_flag("--unchecked", options.is_unchecked, "Run although the recording looks wrong");
   command->add_option("--calibration", options.calibration, "Calibration instead of the recording's own");

@@ -42,11 +42,11 @@ TEST_CASE("composition: the IMU decides on the motion model, and with it on a fr
 }
 
 TEST_CASE("composition: depth decides on the start, an IMU comes on top of it") {
-  STATIC_REQUIRE(std::same_as<Of<RgbdRig>::Start, DepthInitializer<float>>);
-  STATIC_REQUIRE(std::same_as<Of<MonoRig>::Start, TwoViewInitializer<float, UnguidedTwoView>>);
-  STATIC_REQUIRE(std::same_as<Of<RgbdImuRig>::Start, InertialInitializer<float, DepthInitializer<float>>>);
+  STATIC_REQUIRE(std::same_as<Of<RgbdRig>::Initializer, DepthInitializer<float>>);
+  STATIC_REQUIRE(std::same_as<Of<MonoRig>::Initializer, TwoViewInitializer<float, UnguidedTwoView>>);
+  STATIC_REQUIRE(std::same_as<Of<RgbdImuRig>::Initializer, InertialInitializer<float, DepthInitializer<float>>>);
   STATIC_REQUIRE(
-      std::same_as<Of<MonoImuRig>::Start, InertialInitializer<float, TwoViewInitializer<float, GuidedTwoView>>>);
+      std::same_as<Of<MonoImuRig>::Initializer, InertialInitializer<float, TwoViewInitializer<float, GuidedTwoView>>>);
 }
 
 TEST_CASE("composition: each kind has a store of its own and the front end that the policy names") {

@@ -108,37 +108,37 @@ TEST_CASE("estimator: does not start on a black image, says why, and starts on t
   REQUIRE(vio->add_frame(frame(1))->health.state == HealthState::tracking);
 }
 
-TEST_CASE("estimator: black frames are called lost, and tracking goes on where it was") {
+TEST_CASE("estimator: black frames are lost, and tracking continues at the pose before them") {
   const auto vio = std::make_unique<Vio>(rig());
   const testing::Image<std::uint8_t> black(SimulatedRgbd::width, SimulatedRgbd::height);
   for (int i = 0; i < 30; ++i) {
     Sensors::Frame input = frame(i);
-    const bool dark = i >= 10 && i < 15;
-    if (dark) input.gray = black.view();
+    const bool is_black = i >= 10 && i < 15;
+    if (is_black) input.gray = black.view();
     const Result<Estimate<double>> estimate = vio->add_frame(input);
     REQUIRE(estimate);
-    REQUIRE((estimate->health.state == HealthState::lost) == dark);
+    REQUIRE((estimate->health.state == HealthState::lost) == is_black);
     REQUIRE(estimate->resets == 0);
-    if (!dark) REQUIRE(error_m(*estimate, i) < 0.03);
+    if (!is_black) REQUIRE(error_m(*estimate, i) < 0.03);
   }
 }
 
-TEST_CASE("estimator: after 0.6 s in the dark or without images a camera alone finds its way back") {
+TEST_CASE("estimator: a camera without an IMU tracks again after a visual outage of 0.6 s") {
   const auto vio = std::make_unique<Vio>(rig());
   const testing::Image<std::uint8_t> black(SimulatedRgbd::width, SimulatedRgbd::height);
   const bool images_come = GENERATE(true, false);
   const int first = GENERATE(4, 10, 14, 18), last = first + 11;  // while it moves by 0.2 to 0.25 m
   for (int i = 0; i < 60; ++i) {
-    const bool dark = i >= first && i <= last;
+    const bool is_black = i >= first && i <= last;
     Sensors::Frame input = frame(i);
-    if (dark && !images_come) continue;
-    if (dark) input.gray = black.view();
+    if (is_black && !images_come) continue;
+    if (is_black) input.gray = black.view();
     const Result<Estimate<double>> estimate = vio->add_frame(input);
     REQUIRE(estimate);
     CAPTURE(i, error_m(*estimate, i));
     REQUIRE(estimate->resets == 0);
-    REQUIRE((estimate->health.state == HealthState::lost) == dark);
-    if (dark) {  // it may have gone anywhere
+    REQUIRE((estimate->health.state == HealthState::lost) == is_black);
+    if (is_black) {  // it may have gone anywhere
       const double outage_s = (i - first + 1) / 20.0, sigma = std::sqrt(estimate->covariance(3, 3));
       REQUIRE(sigma == Approx(RecoveryOptions{}.lost_speed * outage_s).epsilon(0.01));
     } else {
@@ -147,34 +147,35 @@ TEST_CASE("estimator: after 0.6 s in the dark or without images a camera alone f
   }
 }
 
-TEST_CASE("estimator: a picture that repeats itself tells nothing, and does no harm") {
+TEST_CASE("estimator: a repeated image is no measurement, and does no harm") {
   const auto vio = std::make_unique<Vio>(rig());
   for (int i = 0; i < 60; ++i) {
-    const bool hangs = i >= 10 && i < 22;
-    Sensors::Frame input = frame(hangs ? 9 : i);
+    const bool repeats = i >= 10 && i < 22;
+    Sensors::Frame input = frame(repeats ? 9 : i);
     input.t_ns = frame(i).t_ns;
     const Result<Estimate<double>> estimate = vio->add_frame(input);
     REQUIRE(estimate);
     CAPTURE(i, error_m(*estimate, i));
     REQUIRE(estimate->resets == 0);
-    REQUIRE((estimate->health.reason == HealthReason::images_repeat) == hangs);
-    REQUIRE(estimate->health.state == (hangs ? HealthState::degraded : HealthState::tracking));
-    if (!hangs) REQUIRE(error_m(*estimate, i) < 0.05);
-    if (hangs) REQUIRE(error_m(*estimate, i) < 3 * std::sqrt(estimate->covariance(3, 3)));
+    REQUIRE((estimate->health.reason == HealthReason::images_repeat) == repeats);
+    REQUIRE(estimate->health.state == (repeats ? HealthState::degraded : HealthState::tracking));
+    if (!repeats) REQUIRE(error_m(*estimate, i) < 0.05);
+    if (repeats) REQUIRE(error_m(*estimate, i) < 3 * std::sqrt(estimate->covariance(3, 3)));
   }
 }
 
-TEST_CASE("estimator: a camera that hangs is lost after a while, and begins anew when its images go on") {
+TEST_CASE(
+    "estimator: a camera that repeats its image is lost after a while, and there is a reset at the next new image") {
   const auto vio = std::make_unique<Vio>(rig());
   for (int i = 0; i < 10; ++i) REQUIRE(vio->add_frame(frame(i)));
-  const double patience_s = RecoveryOptions{}.max_imu_only_s;
+  const double max_imu_only_s = RecoveryOptions{}.max_imu_only_s;
   for (int i = 1; i <= 100; ++i) {  // 5 s
     Sensors::Frame again = frame(9);
     again.t_ns += i * TimeNs(50'000'000);
     const Result<Estimate<double>> estimate = vio->add_frame(again);
     CAPTURE(i);
     REQUIRE(estimate->health.reason == HealthReason::images_repeat);
-    REQUIRE(estimate->health.state == (0.05 * i < patience_s ? HealthState::degraded : HealthState::lost));
+    REQUIRE(estimate->health.state == (0.05 * i < max_imu_only_s ? HealthState::degraded : HealthState::lost));
     REQUIRE(estimate->resets == 0);
   }
   Sensors::Frame input = frame(50);
@@ -184,7 +185,7 @@ TEST_CASE("estimator: a camera that hangs is lost after a while, and begins anew
   REQUIRE(estimate->resets == 1);
 }
 
-TEST_CASE("estimator: where nothing comes back all begins anew, as uncertain as that is") {
+TEST_CASE("estimator: after an outage that is too long there is a reset, as uncertain as the outage was long") {
   const auto vio = std::make_unique<Vio>(rig());
   const testing::Image<std::uint8_t> black(SimulatedRgbd::width, SimulatedRgbd::height);
   for (int i = 0; i < 10; ++i) REQUIRE(vio->add_frame(frame(i)));

@@ -171,7 +171,7 @@ TEST_CASE("options: of the pose decide how few landmarks are an estimate") {
   CHECK(estimate.tracked == 0);
 }
 
-TEST_CASE("options: of the recovery decide when all begins anew") {
+TEST_CASE("options: of the recovery decide when there is a reset") {
   for (const int max_lost_frames : {2, 6}) {
     Vo::Options options;
     options.recovery.max_lost_frames = max_lost_frames;

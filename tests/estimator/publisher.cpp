@@ -40,7 +40,8 @@ TEST_CASE("publisher: health of a nominal frame") {
   CHECK(uncertain.state == HealthState::degraded);
   CHECK(uncertain.reason == HealthReason::scale_uncertain);
   // What is known to be wrong comes before what is only uncertain.
-  CHECK(health_of(nominal, {.reason = HealthReason::imu_saturated}, false, false).reason == HealthReason::imu_saturated);
+  CHECK(health_of(nominal, {.reason = HealthReason::imu_saturated}, false, false).reason ==
+        HealthReason::imu_saturated);
 }
 
 TEST_CASE("publisher: an outage is degraded as long as it is bridged") {

@@ -101,7 +101,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-/// Reading `text` fails, with `what` in the message, for the given line.
+/// Parsing `text` fails, with `what` in the message, for the given line.
 void require_error(const std::string& text, int line, const std::string& what) {
   const TemporaryDirectory directory;
   const auto file = directory.write("calibration.yaml", text);

@@ -12,7 +12,7 @@
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/estimator/composition.hpp"
-#include "plumbline/estimator/keyframe_window.hpp"
+#include "plumbline/estimator/estimator.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/points.hpp"
 #include "plumbline/motion/constant_velocity.hpp"

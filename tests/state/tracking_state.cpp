@@ -11,9 +11,17 @@ using enum TrackingEvent;
 namespace {
 
 constexpr TrackingState all_states[] = {uninitialized, initializing, visual_only, nominal, outage, lost};
-constexpr TrackingEvent all_events[] = {first_view,     landmarks_located,       initialized,     pose_found,
-                                        no_pose,        image_unusable,          imu_vision_inconsistent,
-                                        outage_too_long, initialization_rejected, relocalized,     reset_requested};
+constexpr TrackingEvent all_events[] = {first_view,
+                                        landmarks_located,
+                                        initialized,
+                                        pose_found,
+                                        no_pose,
+                                        image_unusable,
+                                        imu_vision_inconsistent,
+                                        outage_too_long,
+                                        initialization_rejected,
+                                        relocalized,
+                                        reset_requested};
 static_assert(std::size(all_states) == tracking_states && std::size(all_events) == tracking_events);
 
 /// What each pair is to lead to, written by state; pairs that are not named leave the state as it is.

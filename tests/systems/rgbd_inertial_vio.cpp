@@ -5,7 +5,6 @@
 #include <cmath>
 #include <concepts>
 #include <cstdint>
-#include <cstdio>
 #include <functional>
 #include <memory>
 #include <type_traits>
@@ -29,16 +28,16 @@ static_assert(std::same_as<Vio, Estimator<Sensors, Features<Points<400>, Lines<1
 static_assert(std::same_as<Vio::S, double> && std::same_as<RgbdInertialVio<Pinhole<float>>::S, float>);
 static_assert(Sensors::has_depth && Sensors::has_imu && Sensors::rolls && Vio::Backend::Layout::dim == 15);
 
-/// Takes every frame of the room, whose images may be made dark, with the readings up to it.
+/// Takes every frame of the room, whose images may be made dark, with the IMU samples up to it.
 template <class Look>
 void fly(const test::SimulatedRgbd& world, const testing::Trajectory& trajectory, double first_s, Vio& vio,
          const std::function<bool(double t)>& is_black, Look&& look, std::uint64_t seed = 1) {
   testing::SimulatedImu simulated_imu(testing::ImuQuality{}, seed);
-  testing::SimulatedImu::Reading reading = simulated_imu.next(trajectory);
+  testing::SimulatedImu::Measurement measured = simulated_imu.next(trajectory);
   const std::vector<std::uint8_t> black(max_pixels, 0);
   for (std::size_t i = 0; i < world.frames.size(); ++i) {
-    for (; reading.sample(0).t_ns <= world.t_ns[i]; reading = simulated_imu.next(trajectory)) {
-      if (reading.t >= first_s - 0.1) REQUIRE(vio.add_imu(reading.sample(0)));
+    for (; measured.sample(0).t_ns <= world.t_ns[i]; measured = simulated_imu.next(trajectory)) {
+      if (measured.t >= first_s - 0.1) REQUIRE(vio.add_imu(measured.sample(0)));
     }
     const double t = 1e-9 * double(world.t_ns[i]);
     ImageView<const std::uint8_t> gray = world.frames[i].gray.view();
@@ -64,7 +63,7 @@ SE3<double> true_T_world_body(const test::SimulatedRgbd& world, std::size_t i) {
 
 }  // namespace
 
-TEST_CASE("rgbd_inertial_vio: three seconds in a room, begun in motion: every frame, over three paths") {
+TEST_CASE("rgbd_inertial_vio: every frame of three seconds in a room, begun in motion, over three paths") {
   constexpr double first_s = 2;
   constexpr int seeds = 3;
   // The errors are those since the first frame that tracks, so the covariance must be, too.
@@ -116,18 +115,24 @@ TEST_CASE("rgbd_inertial_vio: three seconds in a room, begun in motion: every fr
         world, trajectory, first_s, *vio, [](double) { return false; }, look, std::uint64_t(seed));
     CAPTURE(seed, tracking, with_lines, path_m, worst_m, worst_rad, worst_velocity, position / tracking,
             rotation / tracking, name_of(vio->init_report().alignment));
-    std::printf("SEED %d n %d path %.3f worst %.4f m %.4f rad %.4f m/s nees %.3f %.3f\n", seed, tracking, path_m,
-                worst_m, worst_rad, worst_velocity, position / tracking, rotation / tracking);
     REQUIRE(vio->init_report().stage == InitStage::done);
     REQUIRE(tracking > 30);
     REQUIRE(with_lines == tracking);
     REQUIRE(path_m > 0.5);
-    CHECK(worst_m < 0.03 * path_m);
-    CHECK(worst_velocity < 0.05);
+    // Twice the worst that was measured: 0.7 % of the path, 0.013 rad, 0.006 m/s.
+    CHECK(worst_m < 0.014 * path_m);
+    CHECK(worst_rad < 0.026);
+    CHECK(worst_velocity < 0.0126);
     nees_position += position / tracking / seeds;
     nees_rotation += rotation / tracking / seeds;
   }
   CAPTURE(nees_position, nees_rotation);
+  // Of three degrees of freedom 3 is expected. Measured are 1.28 and 1.04: the covariance is safe, its sigmas are 1.5
+  // and 1.7 times those of the errors. The bounds are a factor of 1.5 beside that.
+  CHECK(nees_position > 0.85);
+  CHECK(nees_position < 1.92);
+  CHECK(nees_rotation > 0.69);
+  CHECK(nees_rotation < 1.56);
 }
 
 TEST_CASE("rgbd_inertial_vio: a light that goes out as it stops finds it where it stood, however long it takes") {
@@ -146,7 +151,7 @@ TEST_CASE("rgbd_inertial_vio: a light that goes out as it stops finds it where i
     const Vec<double, 3> p = estimate.T_world_body.p();
     if (t < outage_s) T_start = true_T_world_body(world, i) * estimate.T_world_body.inverse();
     lost += t > stands_s && estimate.health.state == HealthState::lost;
-    if (t < known_s) p_known = p;  // the readings need a second
+    if (t < known_s) p_known = p;  // stationarity needs a second
     if (t > known_s && t < bright_s) moved_m = std::max(moved_m, (p - p_known).norm());
     if (t > goes_s + 0.7) {
       tracking_again += estimate.health.state == HealthState::tracking;

@@ -27,7 +27,7 @@ inline std::string read_text(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) throw ReadError(file, 0, "no such file");
   if (!std::filesystem::is_regular_file(file)) throw ReadError(file, 0, "not a regular file");
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw ReadError(file, 0, "cannot be opened for reading");
+  if (!stream) throw ReadError(file, 0, "cannot be opened");
   std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (stream.bad()) throw ReadError(file, 0, "cannot be read");
   return text;

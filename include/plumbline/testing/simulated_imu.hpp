@@ -36,7 +36,6 @@ class SimulatedImu {
       return {t_start_ns + static_cast<TimeNs>(std::llround(t * 1e9)), gyro, accel};
     }
   };
-  using Reading = Measurement;
 
   SimulatedImu(const ImuQuality& quality, std::uint64_t seed) : noise_(quality.noise), normal_(stream_seed(seed, 4)) {
     gyro_bias_ = quality.gyro_bias_sigma * normal_.vector<3>();

@@ -1,8 +1,8 @@
 #pragma once
 /// Smooth paths through the simulated scenes with exact derivatives.
 ///
-/// Position and yaw, pitch, roll are sums of sinusoids of the phase s(t). It is constant up to t_0, gains speed during T
-/// (C^5), and may be constant again from b to e; s = t for a camera shaken by hand:
+/// Position and yaw, pitch, roll are sums of sinusoids of the phase s(t). It is constant up to t_0, gains speed during
+/// T (C^5), and may be constant again from b to e; s = t for a camera shaken by hand:
 ///   s(t) = r(t - t_0) - r(t - b) + r(t - e),  r(t) = T F(t/T),
 ///   F' = 126 x^5 - 420 x^6 + 540 x^7 - 315 x^8 + 70 x^9 on [0, 1], then 1                                        (1)
 ///   R_world_body = Rz(yaw) Ry(pitch) Rx(roll)                                                                    (2)
