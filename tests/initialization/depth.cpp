@@ -103,7 +103,7 @@ TEST_CASE("depth: corners with depth count, the others do not") {
   REQUIRE(all >= RecoveryOptions{}.min_landmarks);
   CHECK(few.health.state == HealthState::initializing);
   CHECK(few.health.reason == HealthReason::no_depth);
-  CHECK(board.add(2000, 3 * width / 4).health.state == HealthState::tracking);
+  CHECK(board.add(2000).health.state == HealthState::tracking);
 }
 
 TEMPLATE_TEST_CASE("depth: nothing is kept", "", float, double) {

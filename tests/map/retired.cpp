@@ -60,7 +60,7 @@ template <class S>
 struct Memory {
   std::vector<Remembered<S>> frames;
 
-  void retire(const auto& retired) {
+  void on_retired(const auto& retired) {
     Remembered<S> frame{retired.sequence, retired.t_ns, retired.x.T_world_body, {}, {}, {}};
     retired.for_each_landmark([&](const auto& landmark, const auto& seen) {
       using Kind = typename std::remove_cvref_t<decltype(landmark)>::Kind;

@@ -21,7 +21,7 @@ grep -q '4541 pairs, 459 of 5000 poses without partner' out.txt || fail "partner
 for figure in '"poses": 5000' '"pairs": 4541' '"unpaired": 459'; do
   grep -q "$figure" out.json || fail "JSON without $figure"
 done
-expect_error 'late.tum: 3 of 4463 poses have a partner among the reference.s 4541: too few to judge' \
+expect_error 'late.tum: 3 of 4463 poses have a partner among the reference.s 4541: too few to compare' \
   evaluate --reference truth.txt --estimate late.tum
 
 "${evaluate[@]}" --estimate good.tum worse.tum --plot both.png --error-plot errors.png > out.txt || fail "two estimates"
