@@ -6,6 +6,8 @@
 # PROGRAM is the program `plumbline`, RECORDINGS the folder of the recordings that are named below.
 #
 #   --page NAME    this page only: accuracy, initialization, faults, timing or memory; may be given several times
+#   --quick        fewer runs, in a third of the time: accuracy of four runs instead of eight, timing of one instead of two,
+#                  initialization without simulated recordings, each fault once and for 0.5 and 3 s
 #   --tables       the pages from the JSON files that are there, without a run
 #   --jobs N       commands and runs side by side, as many as there are cores by default; timing takes one at a time
 #   --work DIR     folder that keeps the simulated recordings, instead of a temporary one
@@ -25,9 +27,11 @@ program=$(realpath "$1")
 recordings=$(realpath "$2")
 shift 2
 pages=() tables_only=false jobs=$(nproc) work='' out=$here
+quick=false repeats=8 timed=2 durations=(0.2 0.5 1 3) times=3
 while (($# > 0)); do
   case $1 in
     --tables) tables_only=true && shift ;;
+    --quick) quick=true repeats=4 timed=1 durations=(0.5 3) times=1 && shift ;;
     --page | --jobs | --work | --out)
       (($# >= 2)) || usage
       case $1 in
@@ -112,17 +116,22 @@ page() {
 
 measure_accuracy() {
   compared accuracy.json compare --config '*' --dataset euroc_mh01_flight rendered_office_mono tum_fr1_rpy_first12s \
-    icl_office_kt0_3s rendered_lowtex_rgbd kitti00_first20s --repeat 8 --jobs "$jobs"
+    icl_office_kt0_3s rendered_lowtex_rgbd kitti00_first20s --repeat "$repeats" --jobs "$jobs"
 }
 
 measure_timing() {
   compared timing.json compare --config '*' --dataset euroc_mh01_flight tum_fr1_rpy_first12s rendered_lowtex_rgbd \
-    --repeat 2 --jobs 1
+    --repeat "$timed" --jobs 1
 }
 
 measure_initialization() {
   local configs
   mapfile -t configs < <(available mono-imu/points{,+lines}/{window,direct})
+  if $quick; then
+    measured "$recordings" initialization.json starts --config "${configs[@]}" \
+      --dataset euroc_mh01_flight rendered_office_mono rendered_lowtex_rgbd --every 2 --duration 12
+    return
+  fi
   beside simulated room --scene room --seed 41 --late 0.02
   beside simulated walk --scene walk --seed 42 --readout 0.015 --late -0.03 --drop 0.05
   beside simulated corridor --scene corridor --seed 45 --readout 0.02 --stop 20 24
@@ -147,7 +156,7 @@ measure_faults() {
     ((${#configs[@]} > 0)) || continue
     # shellcheck disable=SC2086  # a list
     beside measured "$recordings" "faults_$sensors.json" faults --config "${configs[@]}" \
-      --dataset ${datasets[$sensors]} --for 0.2 0.5 1 3 --times 3
+      --dataset ${datasets[$sensors]} --for "${durations[@]}" --times "$times"
   done
   finished
 }
