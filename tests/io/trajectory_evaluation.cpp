@@ -55,7 +55,8 @@ TEST_CASE("trajectory_evaluation: too little overlap is an error") {
 TEST_CASE("trajectory_evaluation: a few pairs of many poses are not evaluated") {
   const Trajectory long_run = helix(0, 454);
   const std::string few = message_of([&] { evaluate_trajectory(long_run, helix(453.8, 900), {}); });
-  REQUIRE(few.find("3 of 4463 poses have a partner among the reference's 4541: too few to compare") != std::string::npos);
+  REQUIRE(few.find("3 of 4463 poses have a partner among the reference's 4541: too few to compare") !=
+          std::string::npos);
   const std::string short_run = message_of([&] { evaluate_trajectory(long_run, helix(0, 0.2), {}); });
   REQUIRE(short_run.find("3 of 3 poses have a partner among the reference's 4541: too few") != std::string::npos);
   REQUIRE(evaluate_trajectory(long_run, helix(0, 2), {}).pairs == 21);      // a short part of a long truth
