@@ -14,6 +14,7 @@
 
 #include "plumbline/camera/camera_model.hpp"
 #include "plumbline/camera/monotone_limit.hpp"
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/matrix.hpp"
 
 namespace plumbline {
@@ -46,7 +47,7 @@ class Equidistant {
     Projection<S> out;
     const Vec<S, 2> xy = p_cam.template head<2>();
     const S z = p_cam.z(), r = norm(xy), range2 = squared_norm(p_cam);
-    const S theta = std::atan2(r, z);
+    const S theta = elementary::atan2(r, z);
     out.valid = theta < theta_max_ && range2 > tiny * tiny;  // false for NaN too
     if (!out.valid) return out;
     S s = 1 / z;
@@ -85,7 +86,7 @@ class Equidistant {
       if (step <= 4 * std::numeric_limits<S>::epsilon() * theta) break;
     }
     out.valid = true;
-    out.bearing << m * (std::sin(theta) / radius), std::cos(theta);
+    out.bearing << m * (elementary::sin(theta) / radius), elementary::cos(theta);
     return out;
   }
 

@@ -9,9 +9,9 @@
 
 #include <cmath>
 #include <concepts>
-#include <limits>
 
 #include "plumbline/camera/monotone_limit.hpp"
+#include "plumbline/camera/newton_inverse.hpp"
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/core/matrix.hpp"
 
@@ -53,25 +53,8 @@ class RadTan {
     return out;
   }
 
-  /// m and d m / d m' by Newton's method from m'; invalid where it finds no point of the domain.
-  Distorted undistort(const Vec<S, 2>& m_distorted) const {
-    constexpr S tolerance = 8 * std::numeric_limits<S>::epsilon();
-    Distorted out;
-    out.valid = false;
-    out.m = m_distorted;
-    for (int iteration = 0; iteration < 20; ++iteration) {
-      const Distorted forward = distort(out.m);
-      const S det = forward.J(0, 0) * forward.J(1, 1) - forward.J(0, 1) * forward.J(1, 0);
-      if (!(det > 0)) return out;
-      out.J << forward.J(1, 1), -forward.J(0, 1), -forward.J(1, 0), forward.J(0, 0);
-      out.J = out.J / det;
-      const Vec<S, 2> step = out.J * Vec<S, 2>(m_distorted - forward.m);
-      out.valid = forward.valid && squared_norm(step) <= tolerance * tolerance * (1 + squared_norm(out.m));
-      if (out.valid) return out;
-      out.m += step;
-    }
-    return out;
-  }
+  /// m and d m / d m'; invalid where there is no point of the domain.
+  Distorted undistort(const Vec<S, 2>& m_distorted) const { return newton_inverse<S>(*this, m_distorted); }
 
  private:
   S k1_, k2_, p1_, p2_, k3_;
