@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
 #include "plumbline/core/assert.hpp"
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/random.hpp"
 
 namespace plumbline {
@@ -31,7 +31,7 @@ inline double samples_needed(double confidence, double right, int size) {
   double w = 1;
   for (int k = 0; k < size; ++k) w *= right;
   if (w >= 1) return 0;
-  return std::log1p(-confidence) / std::log1p(-w);
+  return elementary::log1p(-confidence) / elementary::log1p(-w);
 }
 
 }  // namespace plumbline

@@ -8,8 +8,7 @@
 ///   E = S0^-1 S1;  d minus(S, S0) / dS = blkdiag(Jr^-1(Log R_E), s_E R_E, 1)                                  (4)
 /// Vectors are additive.
 
-#include <cmath>
-
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/lie/sim3.hpp"
@@ -29,7 +28,7 @@ SE3<S> plus(const SE3<S>& T, const Vec<S, 6>& d) {
 
 template <class S>
 Sim3<S> plus(const Sim3<S>& X, const Vec<S, 7>& d) {
-  return X * Sim3<S>(std::exp(d[6]), SO3<S>::exp(segment<3>(d, 0)), segment<3>(d, 3));
+  return X * Sim3<S>(elementary::exp(d[6]), SO3<S>::exp(segment<3>(d, 0)), segment<3>(d, 3));
 }
 
 template <class S, int N>
@@ -54,7 +53,7 @@ template <class S>
 Vec<S, 7> minus(const Sim3<S>& X1, const Sim3<S>& X0) {
   const Sim3<S> E = X0.inverse() * X1;
   Vec<S, 7> d;
-  d << E.rotation().log(), E.t(), std::log(E.scale());
+  d << E.rotation().log(), E.t(), elementary::log(E.scale());
   return d;
 }
 

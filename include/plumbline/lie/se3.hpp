@@ -10,6 +10,7 @@
 #include <cmath>
 #include <concepts>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/so3.hpp"
 
@@ -90,7 +91,7 @@ class SE3 {
       c2 = S(1) / 24 + t * (S(-1) / 720 + t * (S(1) / 40320 + t * (S(-1) / 3628800)));
       c3 = S(1) / 120 + t * (S(-1) / 2520 + t * (S(1) / 120960 + t * (S(-1) / 9979200)));
     } else {
-      const S th = std::sqrt(t), s = std::sin(th), c = std::cos(th);
+      const S th = std::sqrt(t), s = elementary::sin(th), c = elementary::cos(th);
       c1 = (th - s) / (t * th);
       c2 = (t + 2 * c - 2) / (2 * t * t);
       c3 = (2 * th - 3 * s + th * c) / (2 * t * t * th);

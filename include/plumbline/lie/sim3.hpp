@@ -14,6 +14,7 @@
 
 #include <Eigen/LU>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/lie/so3.hpp"
@@ -34,11 +35,11 @@ class Sim3 {
 
   static Sim3 exp(const Tangent& xi) {
     const Vec<S, 3> phi = segment<3>(xi, 0);
-    return Sim3(std::exp(xi[6]), SO3<S>::exp(phi), translation_factor(phi, xi[6]) * segment<3>(xi, 3));  // (9)
+    return Sim3(elementary::exp(xi[6]), SO3<S>::exp(phi), translation_factor(phi, xi[6]) * segment<3>(xi, 3));  // (9)
   }
   Tangent log() const {
     const Vec<S, 3> phi = rotation_.log();
-    const S sigma = std::log(scale_);
+    const S sigma = elementary::log(scale_);
     Tangent xi;
     xi << phi, translation_factor(phi, sigma).inverse() * t_, sigma;
     return xi;

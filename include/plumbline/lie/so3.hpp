@@ -12,6 +12,7 @@
 
 #include <Eigen/Geometry>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/lie_group.hpp"
 
@@ -31,8 +32,8 @@ struct RotationCoefficients {
               S(1) / 6 + t * (S(-1) / 120 + t * (S(1) / 5040 + t * (S(-1) / 362880 + t * (S(1) / 39916800)))),
               S(1) / 12 + t * (S(1) / 720 + t * (S(1) / 30240 + t * (S(1) / 1209600 + t * (S(1) / 47900160))))};
     }
-    const S th = std::sqrt(t), s = std::sin(th), half = std::sin(th / 2);
-    return {s / th, 2 * half * half / t, (th - s) / (t * th), 1 / t - std::cos(th / 2) / (2 * th * half)};
+    const S th = std::sqrt(t), s = elementary::sin(th), half = elementary::sin(th / 2);
+    return {s / th, 2 * half * half / t, (th - s) / (t * th), 1 / t - elementary::cos(th / 2) / (2 * th * half)};
   }
 };
 
@@ -52,7 +53,7 @@ class SO3 {
   static SO3 exp(const Tangent& phi) {
     const S t = squared_norm(phi), th_half = std::sqrt(t) / 2;
     const S sinc_half = RotationCoefficients<S>::at(t / 4).A / 2;  // sin(th/2)/th
-    return SO3({std::cos(th_half), sinc_half * phi.x(), sinc_half * phi.y(), sinc_half * phi.z()}, NearlyUnit{});
+    return SO3({elementary::cos(th_half), sinc_half * phi.x(), sinc_half * phi.y(), sinc_half * phi.z()}, NearlyUnit{});
   }
 
   /// Rotation vector in the ball of radius pi; the sign of the axis is arbitrary exactly at pi.
@@ -61,7 +62,7 @@ class SO3 {
     const S n = norm(v), w = q_.w();
     const S small = std::is_same_v<S, float> ? S(1e-2) : S(1e-5);
     if (n < small) return (2 / w) * (1 - n * n / (3 * w * w)) * v;
-    return (2 * std::atan2(n, w) / n) * v;
+    return (2 * elementary::atan2(n, w) / n) * v;
   }
 
   SO3 inverse() const {
