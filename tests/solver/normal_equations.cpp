@@ -120,6 +120,21 @@ TEST_CASE("normal_equations: covariance blocks are those of the inverse") {
   }
 }
 
+TEST_CASE("normal_equations: the joint covariance of two blocks is that of the inverse") {
+  const System<double> system(5);
+  const Eigen::MatrixXd inverse = system.H.inverse();
+  for (const std::array<int, 2>& pair : {std::array<int, 2>{0, 2}, {3, 1}, {blocks - 1, 0}}) {
+    Mat<double, 6, 6> covariance;
+    REQUIRE(system.normal->joint_covariance(pair, covariance));
+    for (int a = 0; a < 2; ++a) {
+      for (int b = 0; b < 2; ++b) {
+        const Mat<double, 3, 3> block = covariance.block<3, 3>(3 * a, 3 * b);
+        REQUIRE(relative_error(block, inverse.block<3, 3>(3 * pair[a], 3 * pair[b])) < 1e-10);
+      }
+    }
+  }
+}
+
 TEST_CASE("normal_equations: takes prior information, and whole blocks") {
   Random random(6);
   System<double> system(7);

@@ -13,10 +13,10 @@
 /// Not valid if the line passes the camera center within 2 cm (its image degenerates to a point), or if the observed
 /// part would be behind the camera.
 
-#include <cmath>
 #include <concepts>
 
 #include "plumbline/camera/camera_model.hpp"
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/geometry/line3.hpp"
 #include "plumbline/residual/residual.hpp"
@@ -105,7 +105,7 @@ LineObservation<typename Camera::Scalar> observe_line(const Camera& camera,
   const Mat<S, 1, 3> across(mh[0], mh[1], mh[2]);
   const auto px_per_rad = [&](const Mat<S, 2, 3>& J_uv_bearing) {
     const Mat<S, 1, 2> rad_per_px = product(across, bearing_jacobian(J_uv_bearing));
-    return S(1) / std::hypot(rad_per_px[0], rad_per_px[1]);
+    return S(1) / elementary::hypot(rad_per_px[0], rad_per_px[1]);
   };
   out.reprojection.px_per_rad << px_per_rad(at_start.J_uv_p), px_per_rad(at_end.J_uv_p);  // (10)
   return out;

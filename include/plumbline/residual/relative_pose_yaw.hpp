@@ -14,6 +14,7 @@
 #include <cmath>
 #include <concepts>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/plus.hpp"
 #include "plumbline/lie/se3.hpp"
@@ -41,7 +42,7 @@ struct RelativePoseYawResidual {
     const S c = M(0, 0) + M(1, 1), s = M(1, 0) - M(0, 1);
     const Vec<S, 3> p_ij = T_world_i.rotation().inverse() * Vec<S, 3>(T_world_j.p() - T_world_i.p());
     Vec<S, 4> r;
-    r[0] = c * c + s * s > S(1e-6) ? std::atan2(s, c) : S(NAN);  // (6)
+    r[0] = c * c + s * s > S(1e-6) ? elementary::atan2(s, c) : S(NAN);  // (6)
     set_segment(r, 1, measured.rotation().inverse() * Vec<S, 3>(p_ij - measured.p()));
     return r;
   }

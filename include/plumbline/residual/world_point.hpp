@@ -22,6 +22,7 @@ struct BodyView {
   Mat<S, 3, 3> R_body_world, R_cam_body;
   Vec<S, 3> p_world_body, p_body_cam;
 
+  BodyView() = default;
   BodyView(const SE3<S>& T_world_body, const SE3<S>& T_body_cam)
       : R_body_world(T_world_body.R().transpose()),
         R_cam_body(T_body_cam.R().transpose()),

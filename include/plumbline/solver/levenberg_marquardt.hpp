@@ -1,14 +1,14 @@
 #pragma once
 /// Levenberg-Marquardt with Nielsen's gain-ratio rule, for any problem that can linearize, solve and try.
 ///                                                                                       docs/math/solver.md (14)-(15)
-///   g = (cost - cost of the trial) / predicted decrease                                                      (14)
-///   g > 0: accept, mu *= max(1/3, 1 - (2 g - 1)^3), nu = 2;   else: reject, mu *= nu, nu *= 2                (15)
-/// A cost that is NaN or infinite is never accepted, and the state is always that of the best cost seen.
+/// The damping is that of solver/gain_ratio_damping.hpp. A cost that is NaN or infinite is never accepted, and the
+/// state is always that of the best cost seen.
 
-#include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <cstdint>
+
+#include "plumbline/solver/gain_ratio_damping.hpp"
 
 namespace plumbline {
 
@@ -53,12 +53,13 @@ LevenbergMarquardtSummary levenberg_marquardt(Problem& problem, const LevenbergM
                                               OutOfTime&& out_of_time) {
   using End = LevenbergMarquardtEnd;
   LevenbergMarquardtSummary summary;
-  double cost = problem.linearize(), mu = options.mu_initial, nu = 2;
+  double cost = problem.linearize();
+  GainRatioDamping damping{options.mu_initial};
   summary.initial_cost = cost;
   bool linearized = true;
   const auto finish = [&](End end) {
     summary.final_cost = cost;
-    summary.mu = mu;
+    summary.mu = damping.mu;
     summary.termination = end;
     return summary;
   };
@@ -69,7 +70,7 @@ LevenbergMarquardtSummary levenberg_marquardt(Problem& problem, const LevenbergM
     if (!std::isfinite(cost)) return finish(End::not_finite);
 
     double predicted = 0;
-    const bool solved = problem.solve(mu, predicted) && std::isfinite(predicted);
+    const bool solved = problem.solve(damping.mu, predicted) && std::isfinite(predicted);
     if (solved && predicted <= options.step_tolerance * options.step_tolerance / 2) {
       ++summary.iterations;
       return finish(End::converged);
@@ -79,9 +80,7 @@ LevenbergMarquardtSummary levenberg_marquardt(Problem& problem, const LevenbergM
       problem.accept();
       ++summary.accepted;
       linearized = false;
-      const double gain = decrease / predicted;                                              // (14)
-      mu = std::max(options.mu_min, mu * std::max(1.0 / 3, 1 - std::pow(2 * gain - 1, 3)));  // (15)
-      nu = 2;
+      damping.accept(decrease, predicted, options.mu_min);
       const bool converged = decrease <= options.relative_cost_tolerance * cost;
       cost = trial;
       if (converged) {
@@ -91,13 +90,12 @@ LevenbergMarquardtSummary levenberg_marquardt(Problem& problem, const LevenbergM
       continue;
     }
     if (solved) problem.reject();
-    mu *= nu;
-    nu *= 2;
+    damping.reject();
     if (solved && predicted <= options.relative_cost_tolerance * cost && std::isfinite(trial)) {
       ++summary.iterations;  // nothing left to gain but rounding
       return finish(End::converged);
     }
-    if (!(mu <= options.mu_max)) {
+    if (!(damping.mu <= options.mu_max)) {
       ++summary.iterations;
       return finish(End::no_progress);
     }

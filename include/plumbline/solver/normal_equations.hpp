@@ -150,19 +150,28 @@ class NormalEquations {
   /// Covariance of the leading C parameters of block i: their part of H^-1. False when H is singular.
   template <int C>
   bool covariance_block(int i, Mat<S, C, C>& covariance) const {
-    static_assert(C <= BlockDim);
+    return joint_covariance(std::array<int, 1>{i}, covariance);
+  }
+  /// The joint covariance of the leading parameters of several blocks.
+  template <std::size_t N, int Dim>
+  bool joint_covariance(const std::array<int, N>& blocks, Mat<S, Dim, Dim>& covariance) const {
+    constexpr int C = Dim / int(N);
+    static_assert(C <= BlockDim && C * int(N) == Dim);
     if (!factorize(S(0))) return false;
-    std::array<Vector, C> Y;  // columns of L^-1 E, the covariance is Y^T Y
+    std::array<Vector, std::size_t(Dim)> Y;  // columns of L^-1 E, the covariance is Y^T Y
     for (int k = 0; k < dim(); ++k) {
-      const int c = order_[k] - i * BlockDim;
-      if (c < 0 || c >= C) continue;
-      Y[c].resize(dim());
-      set_zero(Y[c]);
-      Y[c][k] = S(1);
-      factor_.forward_in_place(Y[c], k);
+      for (int n = 0; n < int(N); ++n) {
+        const int c = order_[k] - blocks[std::size_t(n)] * BlockDim;
+        if (c < 0 || c >= C) continue;
+        Vector& y = Y[std::size_t(n * C + c)];
+        y.resize(dim());
+        set_zero(y);
+        y[k] = S(1);
+        factor_.forward_in_place(y, k);
+      }
     }
-    for (int r = 0; r < C; ++r) {
-      for (int c = 0; c <= r; ++c) covariance(r, c) = covariance(c, r) = Y[r].dot(Y[c]);
+    for (int r = 0; r < Dim; ++r) {
+      for (int c = 0; c <= r; ++c) covariance(r, c) = covariance(c, r) = Y[std::size_t(r)].dot(Y[std::size_t(c)]);
     }
     return all_finite(covariance);
   }

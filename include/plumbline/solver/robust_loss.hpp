@@ -8,6 +8,8 @@
 #include <cmath>
 #include <concepts>
 
+#include "plumbline/core/elementary.hpp"
+
 namespace plumbline {
 
 template <class L>
@@ -47,7 +49,7 @@ template <class S>
 struct Cauchy {
   using Scalar = S;
   S c = S(2.385);
-  S rho(S s) const { return c * c * std::log1p(s / (c * c)); }
+  S rho(S s) const { return c * c * elementary::log1p(s / (c * c)); }
   S weight(S s) const { return S(1) / (1 + s / (c * c)); }
   S second(S s) const { return -weight(s) * weight(s) / (c * c); }
 };
@@ -70,7 +72,7 @@ template <class S>
 struct StudentT {
   using Scalar = S;
   S nu = S(5);
-  S rho(S s) const { return (nu + 1) * std::log1p(s / nu); }
+  S rho(S s) const { return (nu + 1) * elementary::log1p(s / nu); }
   S weight(S s) const { return (nu + 1) / (nu + s); }
   S second(S s) const { return -(nu + 1) / ((nu + s) * (nu + s)); }
 };
