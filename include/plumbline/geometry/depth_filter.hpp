@@ -14,6 +14,8 @@
 #include <cmath>
 #include <concepts>
 
+#include "plumbline/core/elementary.hpp"
+
 namespace plumbline {
 
 template <std::floating_point S>
@@ -40,7 +42,7 @@ struct DepthFilter {
   /// the gain: by how much of (x - mu) the mean moved.
   S update(S x, S tau) {
     const S tau2 = tau * tau, sum = variance + tau2, n = a + b;
-    const S density = std::exp(-(x - mu) * (x - mu) / (2 * sum)) / std::sqrt(2 * pi * sum);
+    const S density = elementary::exp(-(x - mu) * (x - mu) / (2 * sum)) / std::sqrt(2 * pi * sum);
     S C1 = a / n * density, C2 = b / n / range;
     const S norm = C1 + C2;
     if (!(norm > S(0)) || !std::isfinite(norm)) {

@@ -17,6 +17,7 @@
 
 #include <Eigen/Geometry>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/plus.hpp"
 #include "plumbline/lie/se3.hpp"
@@ -77,7 +78,7 @@ class Line3 {
     set_block(U, 0, 1, u2);
     set_block(U, 0, 2, u1.cross(u2));
     U_ = SO3<S>::from_matrix(U);
-    const S scale = S(1) / std::hypot(n_norm, v_norm);
+    const S scale = S(1) / elementary::hypot(n_norm, v_norm);
     w1_ = n_norm * scale;
     w2_ = v_norm * scale;
   }
@@ -114,8 +115,8 @@ class Line3 {
 
   /// (4)
   Line3 plus(const Vec<S, 4>& d) const {
-    const S c = std::cos(d[3]), s = std::sin(d[3]), w1 = w1_ * c - w2_ * s, w2 = w2_ * c + w1_ * s;
-    const S scale = (w2 < S(0) ? S(-1) : S(1)) / std::hypot(w1, w2);  // both negated are the same line
+    const S c = elementary::cos(d[3]), s = elementary::sin(d[3]), w1 = w1_ * c - w2_ * s, w2 = w2_ * c + w1_ * s;
+    const S scale = (w2 < S(0) ? S(-1) : S(1)) / elementary::hypot(w1, w2);  // both negated are the same line
     return {plumbline::plus(U_, segment<3>(d, 0)), scale * w1, scale * w2};
   }
 
@@ -147,7 +148,7 @@ template <class S>
 Vec<S, 4> minus(const Line3<S>& line1, const Line3<S>& line0) {
   Vec<S, 4> d;
   set_segment(d, 0, minus(line1.U(), line0.U()));
-  d[3] = std::atan2(line1.w2(), line1.w1()) - std::atan2(line0.w2(), line0.w1());
+  d[3] = elementary::atan2(line1.w2(), line1.w1()) - elementary::atan2(line0.w2(), line0.w1());
   return d;
 }
 

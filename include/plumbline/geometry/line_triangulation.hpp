@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <span>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/geometry/line3.hpp"
 #include "plumbline/lie/se3.hpp"
@@ -92,8 +93,8 @@ LineTriangulation<S> triangulate_line(std::span<const LineTriangulationView<S>> 
   for (std::size_t j = 1; j < views.size(); ++j) {
     const InterpretationPlane<S> plane(views[j]);
     const S sine = norm(anchor.N.cross(plane.N));
-    const S significance = sine / std::hypot(anchor.sigma_rad, plane.sigma_rad);
-    if (!(sine > std::sin(S(options.min_angle_rad)) && significance > most)) continue;
+    const S significance = sine / elementary::hypot(anchor.sigma_rad, plane.sigma_rad);
+    if (!(sine > elementary::sin(S(options.min_angle_rad)) && significance > most)) continue;
     most = significance;
     out.line = Line3<S>(intersection(anchor, plane));
   }

@@ -17,6 +17,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/se3.hpp"
@@ -47,11 +48,12 @@ S isolated_root(S b, S c, S d) {
   const S discriminant = q * q + p * p * p;
   S t;
   if (discriminant >= 0) {
-    const S u = std::cbrt(-q - std::copysign(std::sqrt(discriminant), q));
+    const S u = elementary::cbrt(-q - std::copysign(std::sqrt(discriminant), q));
     t = u == 0 ? S(0) : u - p / u;
   } else {
     const S root = std::sqrt(-p);
-    t = -std::copysign(2 * root * std::cos(std::acos(std::min(std::abs(q) / (root * root * root), S(1))) / 3), q);
+    t = -std::copysign(
+        2 * root * elementary::cos(elementary::acos(std::min(std::abs(q) / (root * root * root), S(1))) / 3), q);
   }
   S g = t - b / 3;
   for (int i = 0; i < 2; ++i) {

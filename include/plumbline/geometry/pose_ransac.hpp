@@ -135,14 +135,11 @@ SE3<S> refine(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondence
   return T_cam_world;
 }
 
-}  // namespace pose_ransac_detail
-
-/// Of the poses for which passes_gate(T_cam_world) holds.
-template <class S, std::size_t Capacity>
-PoseRansacResult<S, Capacity> ransac_pose(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondences,
-                                          const SE3<S>& T_cam_world_prior, const PoseRansacOptions& options,
-                                          auto&& passes_gate) {
-  using pose_ransac_detail::cost;
+/// The best pose by (5), refined. draw(random, offer) offers the poses of one minimal sample of `SampleSize` points.
+template <int SampleSize, class S, std::size_t Capacity>
+PoseRansacResult<S, Capacity> search(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondences,
+                                     const SE3<S>& T_cam_world_prior, const PoseRansacOptions& options,
+                                     auto&& passes_gate, auto&& draw) {
   using Outcome = PoseRansacResult<S, Capacity>;
   const std::size_t n = correspondences.size();
   const S chi2 = S(options.chi2), infinity = std::numeric_limits<S>::infinity();
@@ -157,29 +154,43 @@ PoseRansacResult<S, Capacity> ransac_pose(const FixedVector<PoseCorrespondence<S
     return true;
   };
   const auto offer = [&](const SE3<S>& T) {
-    if (adopt_if_better(T)) adopt_if_better(pose_ransac_detail::refine(correspondences, T, chi2));
+    if (adopt_if_better(T)) adopt_if_better(refine(correspondences, T, chi2));
   };
   const auto samples_needed = [&] {  // (6)
-    return plumbline::samples_needed(options.confidence, static_cast<double>(best.inliers) / static_cast<double>(n), 3);
+    return plumbline::samples_needed(options.confidence, static_cast<double>(best.inliers) / static_cast<double>(n),
+                                     SampleSize);
   };
 
   offer(T_cam_world_prior);
   const bool prior_is_enough = best.inliers >= options.prior_is_enough * static_cast<double>(n);
-  if (n >= 4 && !prior_is_enough) {
+  if (n > SampleSize && !prior_is_enough) {
     Random random(options.seed);
     for (int iteration = 0; iteration < options.max_iterations && iteration < samples_needed(); ++iteration) {
-      const std::uint32_t count = static_cast<std::uint32_t>(n);
-      const std::uint32_t i = random.below(count);
-      const std::uint32_t j = (i + 1 + random.below(count - 1)) % count;
-      std::uint32_t k = random.below(count - 2);  // the k-th of those that are neither i nor j
-      k += k >= std::min(i, j);
-      k += k >= std::max(i, j);
-      const PoseCorrespondence<S>&a = correspondences[i], &b = correspondences[j], &c = correspondences[k];
-      for (const SE3<S>& T : p3p<S>({a.bearing, b.bearing, c.bearing}, {a.p_world, b.p_world, c.p_world})) offer(T);
+      draw(random, offer);
     }
   }
   best.valid = best.inliers >= options.min_inliers;
   return best;
+}
+
+}  // namespace pose_ransac_detail
+
+/// Of the poses for which passes_gate(T_cam_world) holds.
+template <class S, std::size_t Capacity>
+PoseRansacResult<S, Capacity> ransac_pose(const FixedVector<PoseCorrespondence<S>, Capacity>& correspondences,
+                                          const SE3<S>& T_cam_world_prior, const PoseRansacOptions& options,
+                                          auto&& passes_gate) {
+  const auto draw = [&](Random& random, auto&& offer) {
+    const std::uint32_t count = static_cast<std::uint32_t>(correspondences.size());
+    const std::uint32_t i = random.below(count);
+    const std::uint32_t j = (i + 1 + random.below(count - 1)) % count;
+    std::uint32_t k = random.below(count - 2);  // the k-th of those that are neither i nor j
+    k += k >= std::min(i, j);
+    k += k >= std::max(i, j);
+    const PoseCorrespondence<S>&a = correspondences[i], &b = correspondences[j], &c = correspondences[k];
+    for (const SE3<S>& T : p3p<S>({a.bearing, b.bearing, c.bearing}, {a.p_world, b.p_world, c.p_world})) offer(T);
+  };
+  return pose_ransac_detail::search<3>(correspondences, T_cam_world_prior, options, passes_gate, draw);
 }
 
 template <class S, std::size_t Capacity>

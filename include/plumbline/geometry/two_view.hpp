@@ -14,6 +14,7 @@
 
 #include <Eigen/Geometry>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/geometry/epipolar.hpp"
@@ -49,7 +50,7 @@ struct TwoView {
       const Vec<S, 3> a = R * pairs[i].f1, across = pairs[i].f2.cross(t);
       const S inverse_range = -dot(pairs[i].f2.cross(a), across);  // up to a positive factor
       (inverse_range > S(0) ? front : behind) += 1;
-      angles.push_back(std::atan2(norm(a.cross(pairs[i].f2)), dot(a, pairs[i].f2)));
+      angles.push_back(elementary::atan2(norm(a.cross(pairs[i].f2)), dot(a, pairs[i].f2)));
     }
     if (behind > front) t = -t;
     in_front = std::max(front, behind);
