@@ -76,7 +76,7 @@ rostopic: /imu0
 update_rate: 200.0
 )";
 
-const std::string opencv = R"(%YAML:1.0
+const std::string opencv_yaml = R"(%YAML:1.0
 ---
 calibration_time: "Tue 01 Jan 2030"
 image_width: 640
@@ -153,7 +153,7 @@ TEST_CASE("calibration: a stated readout time, and none") {
   REQUIRE(*read(replaced(plain, "rate_hz: 30", "readout_s: 0.026")).camera.readout_s == 0.026);
   require_error(replaced(plain, "rate_hz: 30", "readout_s: 26"), 7, "camera.readout_s must be from 0 to 0.2 seconds");
   REQUIRE(*read(replaced(euroc, "rate_hz: 20", "readout_s: 0.026")).camera.readout_s == 0.026);
-  REQUIRE(*read(replaced(opencv, "flags: 0", "readout_s: 0.026")).camera.readout_s == 0.026);
+  REQUIRE(*read(replaced(opencv_yaml, "flags: 0", "readout_s: 0.026")).camera.readout_s == 0.026);
   const auto stated = [](const std::string& line) { return replaced(kalibr, "timeshift_cam_imu: 0.012", line); };
   REQUIRE(*read(stated("readout_s: 0.026")).camera.readout_s == 0.026);
   REQUIRE(*read(stated("line_delay: 5.0e-05")).camera.readout_s == Approx(511 * 5e-5));
@@ -188,8 +188,44 @@ TEST_CASE("calibration: Kalibr's double sphere has xi and alpha first") {
   REQUIRE(c.camera.intrinsics == std::vector<double>{190.9, 190.8, 254.9, 256.9, -0.2, 0.59});
 }
 
+TEST_CASE("calibration: Kalibr's omni, eucm and fov") {
+  const std::string omni = replaced(replaced(replaced(kalibr, "camera_model: pinhole", "camera_model: omni"),
+                                             "distortion_model: equidistant", "distortion_model: radtan"),
+                                    "[190.9, 190.8, 254.9, 256.9]", "[1.3, 390.9, 390.8, 254.9, 256.9]");
+  const Calibration o = read(omni);
+  REQUIRE((o.camera.model == "omni" && o.camera.distortion == "radtan"));
+  REQUIRE(o.camera.intrinsics == std::vector<double>{390.9, 390.8, 254.9, 256.9, 1.3});
+  REQUIRE(make_camera<double>(o.camera).model().index() == 6);
+  require_error(replaced(omni, "[1.3,", "[-1.3,"), 11, "must have xi in [0, 10], has -1.3");
+  require_error(replaced(omni, "radtan", "equidistant"), 9, "omni takes no other distortion");
+
+  std::string eucm = replaced(replaced(kalibr, "camera_model: pinhole", "camera_model: eucm"),
+                              "distortion_model: equidistant", "distortion_model: none");
+  eucm = replaced(eucm, "[190.9, 190.8, 254.9, 256.9]", "[0.6, 1.1, 190.9, 190.8, 254.9, 256.9]");
+  const Calibration e = read(eucm);
+  REQUIRE(e.camera.intrinsics == std::vector<double>{190.9, 190.8, 254.9, 256.9, 0.6, 1.1});
+  REQUIRE(make_camera<double>(e.camera).model().index() == 7);
+
+  std::string fov = replaced(kalibr, "distortion_model: equidistant", "distortion_model: fov");
+  const std::size_t at = fov.find("distortion_coeffs: "), end = fov.find('\n', at);
+  fov.replace(at, end - at, "distortion_coeffs: [0.92]");
+  const Calibration f = read(fov);
+  REQUIRE((f.camera.distortion == "fov" && f.camera.distortion_coefficients == std::vector<double>{0.92}));
+  REQUIRE(make_camera<double>(f.camera).model().index() == 5);
+  require_error(replaced(fov, "[0.92]", "[0.92, 0.1]"), 9, "must have 1 value (w, 0 to 3.14 rad), has 2");
+}
+
+TEST_CASE("calibration: OpenCV's 8 coefficients are the rational model") {
+  std::string text = opencv_yaml;
+  const std::size_t at = text.find("distortion_coefficients"), end = text.find(']', at);
+  text.replace(at, end + 1 - at, "distortion_coefficients: [0.5, -2.7, 1e-4, 2e-4, 1.5, 0.4, -2.5, 1.4, 0, 0, 0, 0]");
+  const Calibration c = read(text);
+  REQUIRE((c.camera.distortion == "rational" && c.camera.distortion_coefficients.size() == 8));
+  REQUIRE(make_camera<double>(c.camera).model().index() == 4);
+}
+
 TEST_CASE("calibration: OpenCV matrices") {
-  const Calibration c = read(opencv);
+  const Calibration c = read(opencv_yaml);
   REQUIRE(c.camera.intrinsics == std::vector<double>{500, 501, 320, 240});
   REQUIRE(c.camera.distortion == "radtan");
   REQUIRE(c.camera.distortion_coefficients == std::vector<double>{0.1, -0.2, 0, 0, 0.3});
@@ -204,7 +240,7 @@ TEST_CASE("calibration: make_camera projects as the model") {
   const Vec<double, 2> expected(320 + 500 * (x * d + 0.002 * 3 * r2), 240 + 501 * 0.001 * r2);
   REQUIRE((camera.project({2 * x, 0, 2}).uv - expected).norm() < 1e-9);
   REQUIRE(make_camera<float>(read(kalibr).camera).model().index() == 2);
-  REQUIRE(make_camera<float>(read(replaced(opencv, "1.e-01, -2.e-01, 0., 0., 3.e-01", "0, 0, 0, 0, 0")).camera)
+  REQUIRE(make_camera<float>(read(replaced(opencv_yaml, "1.e-01, -2.e-01, 0., 0., 3.e-01", "0, 0, 0, 0, 0")).camera)
               .model()
               .index() == 1);
   REQUIRE_THROWS(make_camera<float>(CameraCalibration{}));
@@ -290,16 +326,22 @@ TEST_CASE("calibration: keys unknown, repeated, missing") {
                 "key \"imu.gyroscope_random_walk\" is missing");
   require_error(plain.substr(0, plain.find("T_body_camera")) + plain.substr(plain.find("imu:")), 0,
                 "key \"T_body_camera\" is missing");
-  require_error(replaced(plain, "model: pinhole", "model: pinhle"), 2, "known are pinhole and double_sphere");
-  require_error(replaced(plain, "distortion: radtan", "distortion: rational"), 4,
-                "known are none, radtan and equidistant");
+  require_error(replaced(plain, "model: pinhole", "model: pinhle"), 2,
+                "known are pinhole, double_sphere, omni and eucm");
+  require_error(replaced(plain, "distortion: radtan", "distortion: cubic"), 4,
+                "known are none, radtan, rational, equidistant and fov");
 }
 
 TEST_CASE("calibration: files that are no calibration") {
   require_error("", 0, "not a YAML mapping");
   require_error("just words", 0, "not a YAML mapping");
   require_error("a: [1, 2\nb: 3\n", 2, "not valid YAML");
-  require_error("fx: 500\n", 0, "not a camera calibration");
+  require_error(
+      "fx: 500\n", 0,
+      "not a camera calibration: read are plumbline (camera), Kalibr and OpenVINS (cam0, relative_config_imucam), "
+      "EuRoC (camera_model), OpenCV (camera_matrix), VINS (model_type, cam0_calib), ORB-SLAM (Camera1.fx, "
+      "Camera.fx), OKVIS (cameras), Basalt (value0), ROS camera_info (width, k), KITTI (P0, P_rect_00); known "
+      "and not read are DepthAI (cameraData) and Maplab (cameras with T_B_C)");
   require_error("camera: 3\n", 1, "camera must be a mapping");
   const std::string missing = message_of([] { read_calibration("/nowhere/calibration.yaml"); });
   REQUIRE(reports(missing, "/nowhere/calibration.yaml", 0, "no such file"));
@@ -307,11 +349,53 @@ TEST_CASE("calibration: files that are no calibration") {
 
 TEST_CASE("calibration: a camera beside an IMU needs the transform, and the IMU is the body") {
   const TemporaryDirectory directory;
-  const auto camera = directory.write("camera.yaml", opencv), imu = directory.write("imu.yaml", kalibr_imu);
+  const auto camera = directory.write("camera.yaml", opencv_yaml), imu = directory.write("imu.yaml", kalibr_imu);
   REQUIRE(
       reports(message_of([&] { read_calibration(camera, imu); }), camera, 0, "no transform between camera and IMU"));
   const auto moved =
       directory.write("moved.yaml", kalibr_imu + "T_BS: [1, 0, 0, 0.1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n");
   const auto euroc_camera = directory.write("euroc.yaml", euroc);
   REQUIRE(reports(message_of([&] { read_calibration(euroc_camera, moved); }), moved, 7, "must be the identity"));
+}
+
+TEST_CASE("calibration: Kalibr with the IMU in the same file, as OpenVINS writes it") {
+  const std::string imu0 =
+      "imu0:\n  T_i_b:\n  - [1.0, 0.0, 0.0, 0.0]\n  - [0.0, 1.0, 0.0, 0.0]\n"
+      "  - [0.0, 0.0, 1.0, 0.0]\n  - [0.0, 0.0, 0.0, 1.0]\n"
+      "  accelerometer_noise_density: 0.002\n  accelerometer_random_walk: 0.003\n"
+      "  gyroscope_noise_density: 0.00017\n  gyroscope_random_walk: 2.0e-05\n"
+      "  rostopic: /imu\n  time_offset: 0.0\n  update_rate: 400.0\n  model: kalibr\n";
+  const Calibration together = read(kalibr + imu0);
+  REQUIRE((together.imu && together.imu->rate_hz == 400 && together.notes.empty()));
+  REQUIRE(read(kalibr + imu0 + "  Tw:\n  - [1.0, 0.0, 0.0]\n  - [0.0, 1.0, 0.0]\n  - [0.0, 0.0, 1.0]\n").notes.empty());
+  const Calibration scaled =
+      read(kalibr + imu0 + "  Tw:\n  - [1.01, 0.0, 0.0]\n  - [0.0, 1.0, 0.0]\n  - [0.0, 0.0, 1.0]\n");
+  CAPTURE(scaled.notes.empty() ? std::string() : scaled.notes[0]);
+  REQUIRE((scaled.notes.size() == 1 && scaled.notes[0].find(":29: imu0.Tw is not applied") != std::string::npos));
+  require_error(kalibr + replaced(imu0, "time_offset: 0.0", "time_offset: 0.01"), 26, "imu0.time_offset must be 0");
+  require_error(kalibr + replaced(imu0, "random_walk: 2", "random_wlak: 2"), 24,
+                "did you mean \"gyroscope_random_walk\"?");
+}
+
+TEST_CASE("calibration: T_imu_cam of OpenVINS is T_body_camera; both directions must agree") {
+  const std::string T_imu_cam =
+      "  T_imu_cam:\n  - [0, 0, 1, 0.1]\n  - [-1, 0, 0, 0.2]\n  - [0, -1, 0, 0.3]\n  - [0, 0, 0, 1]\n";
+  const std::string without = kalibr.substr(0, 6) + kalibr.substr(kalibr.find("  cam_overlaps"));
+  REQUIRE((read(without + T_imu_cam).T_body_camera->inverse() * T_forward).log().norm() < 1e-9);
+  REQUIRE((read(kalibr + T_imu_cam).T_body_camera->inverse() * T_forward).log().norm() < 1e-9);
+  require_error(kalibr + replaced(T_imu_cam, "0.3", "0.4"), 3, "cam0.T_cam_imu is not the inverse of T_imu_cam");
+}
+
+TEST_CASE("calibration: what is not read is named") {
+  REQUIRE(read(kalibr + "cam1:\n  camera_model: pinhole\n").notes.at(0).find("cam1 is not used: one camera is read") !=
+          std::string::npos);
+  require_error(replaced(kalibr, "camera_model: pinhole", "camera_model: spline"), 8,
+                "known are pinhole, omni, eucm and ds");
+}
+
+TEST_CASE("calibration: a lever arm in millimeters") {
+  require_error(replaced(plain, "0, 0, 1, 0.1", "0, 0, 1, -64.67"), 0, "is it in millimeters instead of meters?");
+  REQUIRE(read(plain).notes.empty());
+  REQUIRE(read(replaced(plain, "0, 0, 1, 0.1", "0, 0, 1, 6.4")).notes.at(0).find("is it in meters?") !=
+          std::string::npos);
 }

@@ -48,6 +48,7 @@ TEST_CASE("trajectory_alignment: nothing to align by") {
   REQUIRE(!align(two, Alignment::se3));
   REQUIRE(!align(still, Alignment::sim3));
   std::vector<PosePair> line;
+  line.reserve(10);
   for (int i = 0; i < 10; ++i) line.push_back({i, SE3<double>({}, {1.0 * i, 0, 0}), SE3<double>({}, {0, 1.0 * i, 0})});
   REQUIRE(!align(line, Alignment::se3));
   REQUIRE(align(two, Alignment::none));

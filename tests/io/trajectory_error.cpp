@@ -39,12 +39,14 @@ TEST_CASE("trajectory_error: stretches by frames and by meters") {
   REQUIRE(pairs_by_frames(7, 3) == IndexPairs{{0, 3}, {3, 6}});
   REQUIRE(pairs_by_frames(3, 3).empty());
   std::vector<PosePair> pairs;
+  pairs.reserve(8);
   for (int i = 0; i < 8; ++i) pairs.push_back({i, {}, SE3<double>({}, {0.4 * i, 0, 0})});
   REQUIRE(pairs_by_meters(pairs, 1) == IndexPairs{{3, 6}});
 }
 
 TEST_CASE("trajectory_error: one degree of drift in each step") {
   std::vector<PosePair> pairs;
+  pairs.reserve(8);
   for (int i = 0; i < 5; ++i)
     pairs.push_back({i, SE3<double>({}, {1.0 * i, 0, 0}),
                      SE3<double>(SO3<double>::exp({0, 0, 0.017453292519943295 * i}), {1.1 * i, 0, 0})});

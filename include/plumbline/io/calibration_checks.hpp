@@ -31,8 +31,7 @@ inline std::string text_of(double value) {
 }
 
 /// The rigid transform of a row-major 4x4 matrix.
-inline SE3<double> rigid_transform(const YamlMap& map, const char* key) {
-  const std::vector<double> values = map.matrix(key);
+inline SE3<double> rigid_transform(const YamlMap& map, const char* key, const std::vector<double>& values) {
   if (values.size() != 16) map.fail(key, "must have 16 values (4x4, row by row), has " + std::to_string(values.size()));
   const Mat<double, 4, 4> T = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(values.data());
   if (T.row(3) != Vec<double, 4>(0, 0, 0, 1).transpose()) map.fail(key, "must have the last row 0 0 0 1");
@@ -47,19 +46,45 @@ inline SE3<double> rigid_transform(const YamlMap& map, const char* key) {
   return SE3<double>(SO3<double>::from_matrix(R), T.topRightCorner<3, 1>());
 }
 
+inline SE3<double> rigid_transform(const YamlMap& map, const char* key) {
+  return rigid_transform(map, key, map.matrix(key));
+}
+
 /// One name for what the formats call differently.
 inline std::string distortion_name(const YamlMap& map, const char* key) {
   const std::string name = map.text(key);
-  if (name == "radtan" || name == "radial-tangential" || name == "plumb_bob") return "radtan";
+  if (name == "radtan" || name == "radial-tangential" || name == "plumb_bob" || name == "radialtangential")
+    return "radtan";
+  if (name == "rational" || name == "rational_polynomial" || name == "radialtangential8") return "rational";
   if (name == "equidistant" || name == "fisheye") return "equidistant";
+  if (name == "fov") return "fov";
   if (name == "none") return "none";
-  map.fail(key, "is \"" + name + "\"; known are none, radtan and equidistant");
+  map.fail(key, "is \"" + name + "\"; known are none, radtan, rational, equidistant and fov");
 }
 
-/// fx fy cx cy (xi alpha) and the resolution, as they are under `intrinsics_key` and `resolution_key`.
+/// Number of intrinsics of a model.
+inline std::size_t intrinsics_of(const std::string& model) { return model == "pinhole" ? 4 : model == "omni" ? 5 : 6; }
+
+/// The parameters of a model behind fx fy cx cy.
+inline void check_shape(const CameraCalibration& camera, const YamlMap& map, const char* key) {
+  const std::vector<double>& v = camera.intrinsics;
+  const auto require = [&](bool holds, const std::string& what) {
+    if (holds) return;
+    std::string has;
+    for (std::size_t i = 4; i < v.size(); ++i) has += (i > 4 ? ", " : "") + text_of(v[i]);
+    map.fail(key, "must have " + what + ", has " + has);
+  };
+  if (camera.model == "double_sphere")
+    require(v[4] > -1 && v[4] < 1 && v[5] >= 0 && v[5] <= 1, "xi in (-1, 1) and alpha in [0, 1]");
+  if (camera.model == "omni") require(v[4] >= 0 && v[4] <= 10, "xi in [0, 10]");
+  if (camera.model == "eucm")
+    require(v[4] >= 0 && v[4] <= 1 && v[5] > 0 && v[5] <= 100, "alpha in [0, 1] and beta in (0, 100]");
+}
+
+/// The intrinsics and the resolution, as they are under `intrinsics_key` and `resolution_key`.
 inline void check_projection(const CameraCalibration& camera, const YamlMap& map, const char* intrinsics_key,
                              const char* resolution_key) {
-  const std::size_t expected = camera.model == "double_sphere" ? 6 : 4;
+  const std::size_t expected = intrinsics_of(camera.model);
   const std::vector<double>& v = camera.intrinsics;
   if (v.size() != expected)
     map.fail(intrinsics_key, "must have " + std::to_string(expected) + " values, has " + std::to_string(v.size()));
@@ -76,9 +101,7 @@ inline void check_projection(const CameraCalibration& camera, const YamlMap& map
                                  " does not contain the principal point (" + text_of(cx) + ", " + text_of(cy) + ")" +
                                  (swapped ? ": are width and height swapped?" : ""));
   }
-  if (expected == 6 && !(v[4] > -1 && v[4] < 1 && v[5] >= 0 && v[5] <= 1))
-    map.fail(intrinsics_key,
-             "must have xi in (-1, 1) and alpha in [0, 1], has " + text_of(v[4]) + ", " + text_of(v[5]));
+  check_shape(camera, map, intrinsics_key);
 }
 
 /// Brings the coefficients to the number the model has; trailing zeros may be missing or superfluous.
@@ -97,11 +120,19 @@ inline void check_distortion(CameraCalibration& camera, const YamlMap& map, cons
   } else if (camera.distortion == "radtan") {
     drop_zeros_above(5);
     if (k.size() != 4 && k.size() != 5) map.fail(key, "must have 4 or 5 values (k1 k2 p1 p2 k3)" + has);
+  } else if (camera.distortion == "rational") {
+    drop_zeros_above(8);
+    if (k.size() != 8) map.fail(key, "must have 8 values (k1 k2 p1 p2 k3 k4 k5 k6)" + has);
+  } else if (camera.distortion == "fov") {
+    drop_zeros_above(1);
+    if (k.size() != 1 || !(k[0] >= 0 && k[0] < 3.14)) map.fail(key, "must have 1 value (w, 0 to 3.14 rad)" + has);
   } else if (k.size() != 4) {
     map.fail(key, "must have 4 values (k1 k2 k3 k4)" + has);
   }
-  if (camera.model == "double_sphere" && camera.distortion != "none")
-    map.fail(key, "must be empty: double_sphere has no distortion of its own");
+  const bool takes = camera.model == "pinhole" || camera.distortion == "none" ||
+                     (camera.model == "omni" && camera.distortion == "radtan");
+  if (!takes && camera.model == "omni") map.fail(key, "must be none or radtan: omni takes no other distortion");
+  if (!takes) map.fail(key, "must be empty: " + camera.model + " has no distortion of its own");
 }
 
 inline void set_resolution(CameraCalibration& camera, const YamlMap& map, const char* key) {

@@ -12,13 +12,15 @@
 namespace plumbline::io {
 
 struct CameraCalibration {
-  std::string model = "pinhole";                ///< pinhole, double_sphere
-  std::string distortion = "none";              ///< none, radtan, equidistant
-  std::vector<double> intrinsics;               ///< fx fy cx cy [px] (xi alpha)
-  std::vector<double> distortion_coefficients;  ///< radtan: k1 k2 p1 p2 (k3); equidistant: k1 k2 k3 k4
-  int width = 0, height = 0;                    ///< [px]
-  double rate_hz = 0;                           ///< 0: not stated
-  std::optional<double> readout_s;              ///< of a rolling shutter, first to last row; 0: global shutter
+  std::string model = "pinhole";    ///< pinhole, double_sphere, omni, eucm
+  std::string distortion = "none";  ///< none, radtan, rational, equidistant, fov
+  /// fx fy cx cy [px]; double_sphere: then xi alpha; omni: then xi; eucm: then alpha beta.
+  std::vector<double> intrinsics;
+  /// radtan: k1 k2 p1 p2 (k3); rational: k1 k2 p1 p2 k3 k4 k5 k6; equidistant: k1 k2 k3 k4; fov: w.
+  std::vector<double> distortion_coefficients;
+  int width = 0, height = 0;        ///< [px]
+  double rate_hz = 0;               ///< 0: not stated
+  std::optional<double> readout_s;  ///< of a rolling shutter, first to last row; 0: global shutter
 };
 
 struct Calibration {
@@ -28,6 +30,7 @@ struct Calibration {
   ImuBufferOptions imu_limits;      ///< full scales, where stated
   double depth_scale = 0;           ///< raw depth units per meter; 0: no depth
   double camera_time_offset_s = 0;  ///< t_imu = t_image + offset
+  std::vector<std::string> notes;   ///< one line each: what the file states and is not used, what was taken for what
 };
 
 }  // namespace plumbline::io

@@ -1,5 +1,5 @@
 #pragma once
-/// The four calibration formats, each a function from its YAML to a `Calibration`.
+/// The calibration formats of plumbline, EuRoC and OpenCV, each a function from its YAML to a `Calibration`.
 
 #include <string>
 #include <vector>
@@ -18,6 +18,15 @@ inline void set_readout(CameraCalibration& camera, const YamlMap& map, const cha
     map.fail(key, "must be from 0 to 0.2 seconds" + std::string(unit == 1 ? "" : " for all rows"));
 }
 
+/// OpenCV's list of radial-tangential coefficients is that of the rational model where k4 to k6 are there and not zero.
+inline void set_rational_if_more(CameraCalibration& camera) {
+  std::vector<double>& k = camera.distortion_coefficients;
+  while (k.size() > 5 && k.back() == 0) k.pop_back();
+  if (k.size() <= 5 || k.size() > 8) return;
+  k.resize(8);
+  camera.distortion = "rational";
+}
+
 /// plumbline's own: camera, depth, T_body_camera, imu.
 inline Calibration read_plain(const YamlMap& root) {
   root.allow_only({"camera", "depth", "T_body_camera", "imu"});
@@ -27,8 +36,8 @@ inline Calibration read_plain(const YamlMap& root) {
   Calibration out;
   CameraCalibration& camera = out.camera;
   camera.model = map.text("model");
-  if (camera.model != "pinhole" && camera.model != "double_sphere")
-    map.fail("model", "is \"" + camera.model + "\"; known are pinhole and double_sphere");
+  if (camera.model != "pinhole" && camera.model != "double_sphere" && camera.model != "omni" && camera.model != "eucm")
+    map.fail("model", "is \"" + camera.model + "\"; known are pinhole, double_sphere, omni and eucm");
   camera.intrinsics = map.numbers("intrinsics");
   if (map.has("distortion")) camera.distortion = distortion_name(map, "distortion");
   if (camera.distortion != "none" || map.has("distortion_coefficients"))
@@ -73,34 +82,6 @@ inline Calibration read_euroc_camera(const YamlMap& root) {
   return out;
 }
 
-/// Kalibr camchain.yaml, its cam0. T_cam_imu maps IMU into camera coordinates: the inverse of T_body_camera.
-inline Calibration read_kalibr_camera(const YamlMap& root) {
-  const YamlMap map = root.map("cam0");
-  map.allow_only({"T_cam_imu", "T_cn_cnm1", "cam_overlaps", "camera_model", "distortion_coeffs", "distortion_model",
-                  "intrinsics", "resolution", "rostopic", "timeshift_cam_imu", "line_delay", "readout_s"});
-  Calibration out;
-  CameraCalibration& camera = out.camera;
-  camera.intrinsics = map.numbers("intrinsics");
-  const std::string model = map.text("camera_model");
-  if (model == "ds") {
-    camera.model = "double_sphere";
-    std::vector<double>& v = camera.intrinsics;  // xi alpha fx fy cx cy -> fx fy cx cy xi alpha
-    if (v.size() == 6) v = {v[2], v[3], v[4], v[5], v[0], v[1]};
-  } else if (model != "pinhole") {
-    map.fail("camera_model", "is \"" + model + "\"; known are pinhole and ds");
-  }
-  camera.distortion = distortion_name(map, "distortion_model");
-  if (camera.distortion != "none") camera.distortion_coefficients = map.numbers("distortion_coeffs");
-  set_resolution(camera, map, "resolution");
-  check_projection(camera, map, "intrinsics", "resolution");
-  check_distortion(camera, map, camera.distortion == "none" ? "distortion_model" : "distortion_coeffs");
-  set_readout(camera, map, "line_delay", camera.height - 1);
-  set_readout(camera, map);
-  if (map.has("T_cam_imu")) out.T_body_camera = rigid_transform(map, "T_cam_imu").inverse();
-  if (map.has("timeshift_cam_imu")) out.camera_time_offset_s = map.number("timeshift_cam_imu", time_offset_range);
-  return out;
-}
-
 /// OpenCV's YAML with camera_matrix, distortion_coefficients, image_width, image_height as its calibration programs
 /// write it (and as ROS camera_info does); the transform, the depth and the IMU by plumbline's names. Keys that
 /// describe how the calibration was made are passed over.
@@ -127,6 +108,7 @@ inline Calibration read_opencv(const YamlMap& root) {
                       : fisheye                    ? "equidistant"
                                                    : "radtan";
   camera.distortion_coefficients = root.matrix("distortion_coefficients");
+  if (camera.distortion == "radtan") set_rational_if_more(camera);
   check_projection(camera, root, "camera_matrix", "image_width");
   check_distortion(camera, root, "distortion_coefficients");
   set_readout(camera, root);
@@ -134,18 +116,6 @@ inline Calibration read_opencv(const YamlMap& root) {
   if (root.has("imu")) set_imu(out, root.map("imu"), "rate_hz");
   if (root.has("T_body_camera") || out.imu) out.T_body_camera = rigid_transform(root, "T_body_camera");
   return out;
-}
-
-/// Kalibr imu.yaml (bare, or under `imu0`) or EuRoC imu0/sensor.yaml.
-inline void read_imu(const YamlMap& root, Calibration& out) {
-  const YamlMap map = root.has("imu0") ? root.map("imu0") : root;
-  map.allow_only({"gyroscope_noise_density", "gyroscope_random_walk", "accelerometer_noise_density",
-                  "accelerometer_random_walk", "gyroscope_full_scale", "accelerometer_full_scale", "rate_hz",
-                  "update_rate", "rostopic", "sensor_type", "comment", "T_BS", "T_i_b", "model", "time_offset"});
-  for (const char* key : {"T_BS", "T_i_b"})
-    if (map.has(key) && rigid_transform(map, key).log().norm() > 1e-6)
-      map.fail(key, "must be the identity: the IMU's frame is the body's");
-  set_imu(out, map, map.has("update_rate") ? "update_rate" : "rate_hz");
 }
 
 }  // namespace plumbline::io::detail

@@ -1,9 +1,12 @@
 #pragma once
 /// A recording on disk, recognized by its layout, as one stream of IMU samples and frames in order of time.
 ///
-///   EuRoC ASL       mav0/cam0/{data.csv, data/, sensor.yaml}, mav0/imu0/{data.csv, sensor.yaml}
+///   EuRoC ASL       mav0/cam0/{data.csv, data/, sensor.yaml}, mav0/imu0/{data.csv, sensor.yaml}; TUM-VI:
+///   dso/camchain.yaml
 ///   TUM RGB-D       rgb.txt, depth.txt, imu.csv, calibration.yaml      (all but rgb.txt optional with --calibration)
-///   KITTI odometry  image_0/, times.txt, calibration.yaml
+///   KITTI odometry  image_0/, times.txt, calibration.yaml or calib.txt
+///   KITTI raw       image_00/, oxts/, ../calib_cam_to_cam.txt
+///   bags            plumbline/io/bag/bag_recording.hpp
 ///
 /// Index files are read and checked whole when the recording is opened; images are only named. Where there is an IMU
 /// the frames' times are IMU times: time stamp + camera_time_offset_s. docs/guide/your_recording.md
@@ -14,14 +17,18 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "plumbline/core/time.hpp"
 #include "plumbline/imu/sample.hpp"
 #include "plumbline/io/calibration.hpp"
+#include "plumbline/io/imu_calibration_search.hpp"
 #include "plumbline/io/recording_layouts.hpp"
 #include "plumbline/io/trajectory.hpp"
+#include "plumbline/opencv/image_file.hpp"
 
 namespace plumbline::io {
 
@@ -31,16 +38,23 @@ class Recording {
     std::optional<std::filesystem::path> calibration;  ///< instead of the recording's own
     double start_s = 0;                                ///< after the first frame [s]
     double duration_s = std::numeric_limits<double>::infinity();
+    std::optional<std::filesystem::path> imu_calibration = {};  ///< noise of the IMU, instead of any other file
+    double depth_scale = 0;                                     ///< instead of the calibration's; 0: as it is
+    std::optional<double> time_offset_s = {};                   ///< instead of the calibration's
   };
   using Sample = std::variant<ImuSample, FrameSample>;
 
   /// Throws ReadError.
   static Recording open(const std::filesystem::path& directory, const Options& options);
   static Recording open(const std::filesystem::path& directory) { return open(directory, Options{}); }
+  /// Of files that were read already, with the calibration that they state themselves.
+  static Recording open(RecordingFiles files, const std::optional<Calibration>& own, const Options& options);
 
   Layout layout() const { return files_.layout; }
   const RecordingFiles& files() const { return files_; }
   const Calibration& calibration() const { return calibration_; }
+  /// What was found while opening, one line each: where calibrations come from, what is not used, what was skipped.
+  const std::vector<std::string>& notes() const { return notes_; }
   std::size_t frame_count() const { return files_.frames.size(); }
   const std::vector<FrameSample>& frames() const { return files_.frames; }
   const std::vector<ImuSample>& imu() const { return files_.imu; }
@@ -77,25 +91,87 @@ class Recording {
   std::optional<Trajectory> read_groundtruth(bool of_body) const;
 
  private:
+  void read_calibrations(const std::optional<Calibration>& own, const Options& options);
+  void set_pixel_formats();
+
   Calibration calibration_;
   RecordingFiles files_;
+  std::vector<std::string> notes_;
   std::size_t frame_ = 0, imu_ = 0;  // next of each to be given out
 };
 
+/// The camera's calibration is the one asked for, else the recording's own. The noise of the IMU is that of the file
+/// asked for, else of the camera's calibration, else of a file beside a calibration asked for, of the recording's own
+/// file (EuRoC), or of one beside the recording's own calibration.
+inline void Recording::read_calibrations(const std::optional<Calibration>& own, const Options& options) {
+  if (options.calibration) files_.calibration = *options.calibration;
+  const std::filesystem::path& file = files_.calibration;
+  const bool is_own = own && !options.calibration;
+  if (!is_own && !std::filesystem::exists(file))
+    throw ReadError(file, 0, "no such file: the recording has no calibration of its own, name one");
+  calibration_ = is_own ? *own : read_calibration(file);
+  if (options.depth_scale > 0) calibration_.depth_scale = options.depth_scale;
+  if (options.time_offset_s) calibration_.camera_time_offset_s = *options.time_offset_s;
+
+  if (options.imu_calibration) {
+    files_.imu_calibration = options.imu_calibration;
+    detail::read_imu(YamlMap(*files_.imu_calibration), calibration_);
+  } else if (!calibration_.imu && !files_.imu.empty()) {
+    if (options.calibration || !files_.imu_calibration) {
+      const std::vector<std::filesystem::path> beside =
+          is_own ? std::vector<std::filesystem::path>() : imu_calibrations_beside(file);
+      if (beside.size() == 1) {
+        files_.imu_calibration = beside.front();
+        notes_.push_back(beside.front().string() + ": the noise of the IMU is taken from this file, beside " +
+                         file.filename().string());
+      } else if (beside.size() > 1) {
+        notes_.push_back(file.string() + ": several files beside it state the noise of an IMU (" +
+                         beside[0].filename().string() + ", " + beside[1].filename().string() +
+                         (beside.size() > 2 ? ", ..." : "") + "); choose with --imu-calibration");
+      }
+    }
+    if (files_.imu_calibration) detail::read_imu(YamlMap(*files_.imu_calibration), calibration_);
+  }
+  if (calibration_.imu && files_.held_accel.rate_hz > 0) {
+    double& density = calibration_.imu->accel_density;
+    const double stated = density;
+    density = std::hypot(stated, calibration_.imu_limits.vibration * files_.held_accel.scatter_density);
+    notes_.push_back(files_.imu_index->string() + ": accelerometer noise density " + detail::text_of(density) +
+                     " instead of " + detail::text_of(stated) + " m/s^2/sqrt(Hz), by the scatter of its true samples");
+  }
+  notes_.insert(notes_.end(), calibration_.notes.begin(), calibration_.notes.end());
+}
+
+/// How the values of images become brightness and meters: of all frames alike, from some of them.
+inline void Recording::set_pixel_formats() {
+  constexpr std::size_t looked_at = 8;
+  std::vector<FrameSample> some;
+  const std::size_t n = std::min(looked_at, frame_count());
+  for (std::size_t i = 0; i < n; ++i) some.push_back(files_.frames[i * frame_count() / n]);
+  const int bits = used_gray_bits(some);
+  if (bits < 16)
+    notes_.push_back(files_.frame_index.string() + ": the values of the 16-bit images use " + std::to_string(bits) +
+                     " bits only; these are taken");
+  for (FrameSample& frame : files_.frames) {
+    frame.gray_bits = bits;
+    frame.depth_scale = calibration_.depth_scale;
+  }
+}
+
 inline Recording Recording::open(const std::filesystem::path& directory, const Options& options) {
+  return open(read_layout(directory), std::nullopt, options);
+}
+
+inline Recording Recording::open(RecordingFiles read, const std::optional<Calibration>& own, const Options& options) {
   Recording out;
-  out.files_ = read_layout(directory);
+  out.files_ = std::move(read);
   RecordingFiles& files = out.files_;
-  if (options.calibration) files.calibration = *options.calibration;
-  const std::filesystem::path& calibration = files.calibration;
-  if (!std::filesystem::exists(calibration))
-    throw ReadError(calibration, 0, "no such file: the recording has no calibration of its own, name one");
-  out.calibration_ = read_calibration(calibration);
-  if (!out.calibration_.imu && files.imu_calibration)
-    detail::read_imu(YamlMap(*files.imu_calibration), out.calibration_);
+  out.notes_ = files.notes;
+  out.read_calibrations(own, options);
 
   if (out.has_imu())  // frames in IMU time
     for (FrameSample& frame : files.frames) frame.t_ns += std::llround(out.calibration_.camera_time_offset_s * 1e9);
+  out.set_pixel_formats();
   const TimeNs first = files.frames.front().t_ns, last = files.frames.back().t_ns;
   std::erase_if(files.frames, [&](const FrameSample& frame) {
     const double t = seconds_between(first, frame.t_ns) - options.start_s;
@@ -103,7 +179,7 @@ inline Recording Recording::open(const std::filesystem::path& directory, const O
   });
   if (files.frames.empty())
     throw ReadError(
-        directory, 0,
+        files.root, 0,
         "no frame in the part asked for; the recording lasts " + detail::text_of(seconds_between(first, last)) + " s");
   const auto after = std::upper_bound(files.imu.begin(), files.imu.end(), files.frames.front().t_ns,
                                       [](TimeNs t, const ImuSample& sample) { return t < sample.t_ns; });
@@ -113,9 +189,14 @@ inline Recording Recording::open(const std::filesystem::path& directory, const O
 
 inline std::vector<std::filesystem::path> Recording::inputs() const {
   std::vector<std::filesystem::path> out{files_.frame_index, files_.calibration};
-  for (const auto& file :
-       {files_.depth_index, files_.imu_index, files_.imu_calibration, files_.body_truth, files_.camera_truth})
+  for (const auto& file : {files_.depth_index, files_.imu_index, files_.accel_index, files_.imu_calibration,
+                           files_.body_truth, files_.camera_truth})
     if (file) out.push_back(*file);
+  if (!files_.bag.empty()) {
+    out.insert(out.end(), files_.bag.begin(), files_.bag.end());
+    std::erase_if(out, [](const std::filesystem::path& file) { return !std::filesystem::exists(file); });  // topics
+    return out;
+  }
   for (const FrameSample& frame : files_.frames) {
     out.push_back(frame.image);
     if (frame.depth) out.push_back(*frame.depth);

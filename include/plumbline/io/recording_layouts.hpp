@@ -1,89 +1,82 @@
 #pragma once
-/// The three recording layouts: which files they consist of, and their index files read and checked.
+/// The recording layouts: which files they consist of, and their index files read and checked.
 
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "plumbline/core/time.hpp"
-#include "plumbline/imu/sample.hpp"
 #include "plumbline/io/association.hpp"
 #include "plumbline/io/error.hpp"
+#include "plumbline/io/imu_samples.hpp"
+#include "plumbline/io/index_rows.hpp"
+#include "plumbline/io/kitti_layouts.hpp"
+#include "plumbline/io/recording_files.hpp"
+#include "plumbline/io/skipped_rows.hpp"
 #include "plumbline/io/text.hpp"
 
 namespace plumbline::io {
 
-enum class Layout { euroc, tum, kitti };
-
-struct FrameSample {
-  TimeNs t_ns = 0;
-  std::filesystem::path image;
-  std::optional<std::filesystem::path> depth;
-};
-
-/// Everything a recording's folder holds, the images by name.
-struct RecordingFiles {
-  Layout layout = Layout::euroc;
-  std::vector<FrameSample> frames;
-  std::vector<ImuSample> imu;
-  bool has_depth = false;
-  std::filesystem::path frame_index, calibration;
-  std::optional<std::filesystem::path> depth_index, imu_index, imu_calibration, body_truth, camera_truth;
-};
-
 namespace detail {
 
-using Path = std::filesystem::path;
-
-inline std::optional<Path> if_exists(const Path& file) {
-  return std::filesystem::exists(file) ? std::optional<Path>(file) : std::nullopt;
-}
-
-/// Throws unless t lies after the last of the items already read.
-template <class Items>
-void require_increasing(const RowReader& row, const Items& items, TimeNs t) {
-  if (items.empty() || t > items.back().t_ns) return;
-  row.fail(t == items.back().t_ns ? "the time stamp is that of the row above"
-                                  : "the time stamp is before that of the row above");
-}
-
-/// Rows "time, file name", the names relative to `folder`.
-inline std::vector<FrameSample> read_image_index(const Path& index, const Path& folder, bool nanoseconds) {
+/// Rows "time, file name", the names relative to `folder`. Images that do not exist are skipped.
+inline std::vector<FrameSample> read_image_index(const Path& index, const Path& folder, TimeUnit expected,
+                                                 std::vector<std::string>& notes) {
   std::vector<FrameSample> frames;
+  SkippedRows skipped;
+  const TimeUnit unit = unit_of(index, expected, notes);
+  std::size_t rows = 0;
+  bool is_said = false;
   for (RowReader row(index); row.next();) {
-    row.require_size(2);
-    const TimeNs t = nanoseconds ? row.time_in_nanoseconds() : row.time_in_seconds();
-    require_increasing(row, frames, t);
+    ++rows;
+    if (!has_columns(row, 2, index, skipped, notes, is_said)) continue;
+    const TimeNs t = row.time_in(unit);
+    if (!is_after(row, frames, t, skipped)) continue;
     const Path image = folder / Path(std::string(row[1]));
-    if (!std::filesystem::exists(image)) row.fail("names the image " + image.string() + ", which does not exist");
-    frames.push_back({t, image, std::nullopt});
+    if (!std::filesystem::exists(image)) {
+      skipped.add(row, "the image does not exist", ": " + image.string());
+      continue;
+    }
+    frames.push_back({.t_ns = t, .image = image, .depth = {}, .source = {}});
   }
+  skipped.report(index, rows, notes);
   if (frames.empty()) throw ReadError(index, 0, "names no images");
   return frames;
-}
-
-/// Rows "time, gyroscope x y z [rad/s], accelerometer x y z [m/s^2]".
-inline std::vector<ImuSample> read_imu_samples(const Path& file, bool nanoseconds) {
-  std::vector<ImuSample> samples;
-  for (RowReader row(file); row.next();) {
-    row.require_size(7);
-    const TimeNs t = nanoseconds ? row.time_in_nanoseconds() : row.time_in_seconds();
-    require_increasing(row, samples, t);
-    samples.push_back(
-        {t, {row.number(1), row.number(2), row.number(3)}, {row.number(4), row.number(5), row.number(6)}});
-  }
-  if (samples.empty()) throw ReadError(file, 0, "has no IMU samples");
-  return samples;
 }
 
 /// Gives each frame the depth image nearest in time, at most 20 ms away, each depth used once.
 inline void associate_depth(std::vector<FrameSample>& frames, const std::vector<FrameSample>& depths) {
   for (const auto& [i, j] : associate_times(times_of(frames), times_of(depths), 20'000'000))
-    frames[i].depth = depths[j].image;
+    frames[i].depth = depths[j].image, frames[i].depth_number = depths[j].image_number;
+}
+
+/// The names that a sensor's own file has.
+inline std::vector<Path> sensor_files(const Path& root, const std::string& name, const std::string& full_name) {
+  std::vector<Path> out;
+  for (const std::string& stem : {name, full_name, "d400_" + full_name})
+    for (const char* extension : {".csv", ".txt"}) out.push_back(root / (stem + extension));
+  return out;
+}
+
+/// The one file of the IMU, or those of its two sensors; nothing where there is neither.
+inline void read_imu_files(RecordingFiles& out, const Path& together, const std::vector<Path>& gyro,
+                           const std::vector<Path>& accel, TimeUnit expected) {
+  out.imu_index = if_exists(together);
+  if (out.imu_index) {
+    out.imu = read_imu_samples(*out.imu_index, expected, out.notes);
+    out.held_accel = note_held(*out.imu_index, out.imu, out.notes);
+    return;
+  }
+  const std::optional<Path> g = if_exists(first_existing(gyro)), a = if_exists(first_existing(accel));
+  if (g && a) {
+    out.imu_index = g;
+    out.accel_index = a;
+    out.imu = read_separate_sensors(*g, *a, expected, out.notes, out.held_accel);
+  } else if (g || a) {
+    out.notes.push_back((g ? *g : *a).string() + " is not used: there is no file of the " +
+                        (g ? "accelerometer" : "gyroscope") + " beside it");
+  }
 }
 
 inline RecordingFiles read_euroc(const Path& root) {
@@ -91,12 +84,15 @@ inline RecordingFiles read_euroc(const Path& root) {
   RecordingFiles out;
   out.layout = Layout::euroc;
   out.frame_index = mav / "cam0/data.csv";
-  out.frames = read_image_index(out.frame_index, mav / "cam0/data", true);
-  out.calibration = mav / "cam0/sensor.yaml";
-  out.imu_index = if_exists(mav / "imu0/data.csv");
-  if (out.imu_index) out.imu = read_imu_samples(*out.imu_index, true);
+  out.frames = read_image_index(out.frame_index, mav / "cam0/data", TimeUnit::nanoseconds, out.notes);
+  out.calibration = first_existing(
+      {mav / "cam0/sensor.yaml", root / "dso/camchain.yaml", root / "camchain.yaml", root / "calibration.yaml"});
+  read_imu_files(out, mav / "imu0/data.csv", {mav / "gyro0/data.csv"}, {mav / "accel0/data.csv"},
+                 TimeUnit::nanoseconds);
   out.imu_calibration = if_exists(mav / "imu0/sensor.yaml");
-  out.body_truth = if_exists(mav / "state_groundtruth_estimate0/data.csv");
+  for (const char* name : {"state_groundtruth_estimate0", "mocap0"})  // EuRoC, TUM-VI
+    if (!out.body_truth) out.body_truth = if_exists(mav / name / "data.csv");
+  if (const auto camera = if_exists(mav / "cam1/data.csv")) out.other_sensors.push_back(*camera);
   return out;
 }
 
@@ -104,38 +100,16 @@ inline RecordingFiles read_tum(const Path& root) {
   RecordingFiles out;
   out.layout = Layout::tum;
   out.frame_index = root / "rgb.txt";
-  out.frames = read_image_index(out.frame_index, root, false);
+  out.frames = read_image_index(out.frame_index, root, TimeUnit::seconds, out.notes);
   out.depth_index = if_exists(root / "depth.txt");
-  if (out.depth_index) associate_depth(out.frames, read_image_index(*out.depth_index, root, false));
+  if (out.depth_index)
+    associate_depth(out.frames, read_image_index(*out.depth_index, root, TimeUnit::seconds, out.notes));
   out.has_depth = out.depth_index.has_value();
-  out.imu_index = if_exists(root / "imu.csv");
-  if (out.imu_index) out.imu = read_imu_samples(*out.imu_index, false);
-  out.calibration = root / "calibration.yaml";
+  read_imu_files(out, root / "imu.csv", sensor_files(root, "gyro", "gyroscope"),
+                 sensor_files(root, "accel", "accelerometer"), TimeUnit::seconds);
+  out.calibration = first_existing({root / "calibration.yaml", root / "camchain.yaml"});
   out.camera_truth = if_exists(root / "groundtruth.txt");
   out.body_truth = if_exists(root / "groundtruth_body.csv");
-  return out;
-}
-
-/// times.txt has one time for each image; the images are numbered 000000, 000001, ...
-inline RecordingFiles read_kitti(const Path& root) {
-  RecordingFiles out;
-  out.layout = Layout::kitti;
-  out.frame_index = root / "times.txt";
-  for (RowReader row(out.frame_index); row.next();) {
-    row.require_size(1);
-    const TimeNs t = row.time_in_seconds();
-    require_increasing(row, out.frames, t);
-    const std::string number = std::to_string(out.frames.size());
-    const Path stem = root / "image_0" / (std::string(number.size() < 6 ? 6 - number.size() : 0, '0') + number);
-    std::optional<Path> image;
-    for (const char* extension : {".png", ".jpg", ".jpeg"})
-      if (!image) image = if_exists(Path(stem).concat(extension));
-    if (!image) row.fail("the image " + stem.string() + ".png (or .jpg) does not exist");
-    out.frames.push_back({t, *image, std::nullopt});
-  }
-  if (out.frames.empty()) throw ReadError(out.frame_index, 0, "has no times");
-  out.calibration = root / "calibration.yaml";
-  out.camera_truth = if_exists(root / "poses.txt");
   return out;
 }
 
@@ -147,11 +121,22 @@ inline RecordingFiles read_layout(const std::filesystem::path& root) {
   if (!fs::exists(root)) throw ReadError(root, 0, "no such directory");
   if (!fs::is_directory(root)) throw ReadError(root, 0, "not a directory");
   if (fs::is_empty(root)) throw ReadError(root, 0, "the directory is empty");
-  if (fs::exists(root / "mav0")) return detail::read_euroc(root);
-  if (fs::exists(root / "rgb.txt")) return detail::read_tum(root);
-  if (fs::exists(root / "times.txt") || fs::exists(root / "image_0")) return detail::read_kitti(root);
-  throw ReadError(root, 0,
-                  "not a recording: neither mav0/ (EuRoC) nor rgb.txt (TUM RGB-D) nor times.txt and image_0/ (KITTI)");
+  RecordingFiles out;
+  if (fs::exists(root / "mav0"))
+    out = detail::read_euroc(root);
+  else if (fs::exists(root / "rgb.txt"))
+    out = detail::read_tum(root);
+  else if (fs::exists(root / "image_00"))
+    out = detail::read_kitti_raw_layout(root);
+  else if (fs::exists(root / "times.txt") || fs::exists(root / "image_0"))
+    out = detail::read_kitti(root);
+  else
+    throw ReadError(
+        root, 0,
+        "not a recording: neither mav0/ (EuRoC) nor rgb.txt (TUM RGB-D) nor times.txt and image_0/ (KITTI odometry) "
+        "nor image_00/ (KITTI raw)");
+  out.root = root;
+  return out;
 }
 
 }  // namespace plumbline::io

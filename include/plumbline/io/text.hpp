@@ -1,5 +1,6 @@
 #pragma once
-/// Rows of numbers in text files: comma or blank separated, `#` starts a comment line. Times are read exactly: decimal
+/// Rows of numbers in text files: comma or blank separated, `#` starts a comment line, and the first row may be a
+/// header without it. Times are read exactly: decimal
 /// text becomes int64 nanoseconds without passing through a double, which has 200 ns steps at today's Unix times.
 
 #include <algorithm>
@@ -15,6 +16,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "plumbline/core/time.hpp"
@@ -48,13 +50,22 @@ inline std::optional<double> parse_finite(std::string_view text) {
   return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
-/// "1403636624.363555584" or "1.037359e-01" seconds as nanoseconds, exact; digits below 1 ns are rounded.
-inline std::optional<TimeNs> parse_seconds(std::string_view text) {
+/// Units of time stamps; the value is the power of 1000 that a second has of them.
+enum class TimeUnit { seconds = 0, milliseconds = 1, microseconds = 2, nanoseconds = 3 };
+
+inline const char* name_of(TimeUnit unit) {
+  constexpr const char* names[] = {"seconds", "milliseconds", "microseconds", "nanoseconds"};
+  return names[static_cast<int>(unit)];
+}
+
+/// "1403636624.363555584" or "1.037359e-01" seconds as nanoseconds, exact; digits below 1 ns are rounded. With
+/// `power`, the unit is 10^power seconds.
+inline std::optional<TimeNs> parse_seconds(std::string_view text, int power = 0) {
   const std::size_t e = text.find_first_of("eE");
   const std::optional<int> exponent = e == text.npos ? 0 : parse<int>(text.substr(e + 1));
   std::string digits(text.substr(0, e));
   if (!exponent || std::abs(*exponent) > 40) return std::nullopt;
-  int shift = *exponent + 9;  // the number is the integer `digits` times 10^shift ns
+  int shift = *exponent + 9 + power;  // the number is the integer `digits` times 10^shift ns
   if (const std::size_t point = digits.find('.'); point != digits.npos) {
     shift -= static_cast<int>(digits.size() - point - 1);
     digits.erase(point, 1);
@@ -76,10 +87,25 @@ inline std::optional<TimeNs> parse_seconds(std::string_view text) {
   return (negative ? -1 : 1) * (*t + round_up);
 }
 
-/// The rows of a text file with their line numbers; blank lines and comments are skipped.
+/// Whether a first field is that of a header, such as "timestamp [ns]", "#t" without its mark, "%time" or
+/// "field.stamp".
+inline bool is_name_of_time(std::string_view field) {
+  std::string name(field);
+  for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  if (parse<double>(name)) return false;
+  for (const char* part : {"time", "stamp", "sec"})
+    if (name.find(part) != name.npos) return true;
+  return name == "t" || name == "ts" || name == "\"t\"";
+}
+
+/// The rows of a text file with their line numbers; blank lines, comments, a header and a byte order mark are skipped.
 class RowReader {
  public:
-  explicit RowReader(const std::filesystem::path& file) : file_(file), text_(read_text(file)) {}
+  explicit RowReader(const std::filesystem::path& file) : file_(file), text_(read_text(file)) {
+    if (text_.starts_with("\xEF\xBB\xBF")) position_ = 3;
+    if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF"))
+      throw ReadError(file, 1, "the text is UTF-16: save it as UTF-8");
+  }
 
   /// False at the end of the file. The fields are valid as long as the reader.
   bool next() {
@@ -89,7 +115,9 @@ class RowReader {
       position_ = end + 1;
       ++line_;
       split(row);
-      if (!fields_.empty() && !fields_[0].starts_with('#')) return true;
+      if (fields_.empty() || fields_[0].starts_with('#')) continue;
+      const bool may_be_header = std::exchange(is_first_, false);
+      if (!may_be_header || !is_name_of_time(fields_[0])) return true;
     }
     return false;
   }
@@ -109,8 +137,20 @@ class RowReader {
       fail("column " + std::to_string(i + 1) + ": \"" + std::string(fields_[i]) + "\" is not a finite number");
     return *value;
   }
+  /// A number as others write it, but NaN or infinite.
+  bool is_not_finite(std::size_t i) const {
+    const std::optional<double> value = parse<double>(fields_[i]);
+    return value && !std::isfinite(*value);
+  }
   TimeNs time_in_seconds() const { return time(parse_seconds(fields_[0]), "in seconds"); }
   TimeNs time_in_nanoseconds() const { return time(parse<TimeNs>(fields_[0]), "in whole nanoseconds"); }
+  TimeNs time_in(TimeUnit unit) const {
+    if (unit == TimeUnit::seconds) return time_in_seconds();
+    const int thousands = static_cast<int>(unit);
+    if (unit == TimeUnit::nanoseconds && fields_[0].find_first_of(".eE") == std::string_view::npos)
+      return time_in_nanoseconds();
+    return time(parse_seconds(fields_[0], -3 * thousands), (std::string("in ") + name_of(unit)).c_str());
+  }
 
  private:
   TimeNs time(std::optional<TimeNs> t, const char* unit) const {
@@ -136,7 +176,7 @@ class RowReader {
   std::vector<std::string_view> fields_;
   std::size_t position_ = 0;
   int line_ = 0;
-  bool has_commas_ = false;
+  bool has_commas_ = false, is_first_ = true;
 };
 
 }  // namespace plumbline::io

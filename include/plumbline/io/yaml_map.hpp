@@ -35,8 +35,9 @@ struct Range {
 class YamlMap {
  public:
   /// The root of a file. OpenCV's and EuRoC's first line "%YAML:1.0" is no YAML directive and is skipped.
-  explicit YamlMap(const std::filesystem::path& file) : file_(file) {
-    std::string text = read_text(file);
+  explicit YamlMap(const std::filesystem::path& file) : YamlMap(file, read_text(file)) {}
+  /// Of a text, which errors call `file`.
+  YamlMap(const std::filesystem::path& file, std::string text) : file_(file) {
     if (text.starts_with("%YAML:")) text[0] = '#';
     try {
       node_ = YAML::Load(text);
@@ -67,10 +68,36 @@ class YamlMap {
     if (!child.IsMap()) fail(child, name(key) + " must be a mapping (key: value)");
     return YamlMap(file_, child, name(key) + ".");
   }
+  /// Number of items of a list; 0 where the key is missing.
+  std::size_t size(const char* key) const { return has(key) && node_[key].IsSequence() ? node_[key].size() : 0; }
+  /// Item `i` of a list of mappings.
+  YamlMap item(const char* key, std::size_t i) const {
+    const YAML::Node list = required(key);
+    const std::string full = name(key) + "[" + std::to_string(i) + "]";
+    if (!list.IsSequence() || i >= list.size()) fail(list, full + " is missing");
+    if (!list[i].IsMap()) fail(list[i], full + " must be a mapping (key: value)");
+    return YamlMap(file_, list[i], full + ".");
+  }
+  std::vector<std::string> keys() const {
+    std::vector<std::string> out;
+    for (const auto& entry : node_) out.push_back(entry.first.Scalar());
+    return out;
+  }
   std::string text(const char* key) const {
     const YAML::Node child = required(key);
     if (!child.IsScalar()) fail(child, name(key) + " must be a word");
     return child.Scalar();
+  }
+  /// A list of words.
+  std::vector<std::string> texts(const char* key) const {
+    std::vector<std::string> out;
+    const YAML::Node list = required(key);
+    if (!list.IsSequence()) fail(list, name(key) + " must be a list of words");
+    for (const YAML::Node& item : list) {
+      if (!item.IsScalar()) fail(item, name(key) + " must be a list of words");
+      out.push_back(item.Scalar());
+    }
+    return out;
   }
   double number(const char* key) const { return number(required(key), key); }
   double number(const char* key, const Range& range) const {
@@ -103,6 +130,13 @@ class YamlMap {
   }
 
   const std::filesystem::path& file() const { return file_; }
+  /// "file:line: key what", for a note about a value that is no error.
+  std::string note(const char* key, const std::string& what) const {
+    YAML::Mark mark = YAML::Mark::null_mark();
+    for (const auto& entry : node_)
+      if (entry.first.Scalar() == key) mark = entry.first.Mark();
+    return file_.string() + (mark.is_null() ? "" : ":" + std::to_string(mark.line + 1)) + ": " + name(key) + " " + what;
+  }
   /// The value of `key` is wrong: names the key and its line.
   [[noreturn]] void fail(const char* key, const std::string& what) const { fail(node_[key], name(key) + " " + what); }
   [[noreturn]] void fail(const YAML::Node& node, const std::string& what) const {
