@@ -33,9 +33,10 @@ struct Event {
 
 /// Keeps every event.
 struct Recording {
+  struct Options {};
   struct Recorder {
     std::vector<Event> events;
-    explicit Recorder(const auto& /*options*/) {}
+    Recorder(const auto& /*rig*/, const auto& /*options*/) {}
     void on_keyframe(const auto& keyframe) {
       REQUIRE(keyframe.image.level(0).width == SimulatedRgbd::width);
       int observations = 0;
@@ -50,7 +51,8 @@ struct Recording {
     void on_world_change(const WorldChange<double>& change) {
       events.push_back({Event::Type::change, 0, 0, {}, 0, change.kind, change.S_new_old});
     }
-    SE3<double> T_map_world() const { return {}; }
+    static void work() {}
+    static Sim3<double> S_map_world() { return {}; }
   };
   template <class Parts>
   using Map = Recorder;

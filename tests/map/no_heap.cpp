@@ -28,6 +28,7 @@ TEMPLATE_TEST_CASE("no_heap: insertion, gate and solution", "", RelativePoseResi
     while (!solver->iterate(10)) {
     }
     world.graph->set_poses(solver->nodes(), [&](int k) { return solver->pose(k); });
+    ok = ok && world.graph->set_odometry(3, loop, Q) == PoseGraphInsertion::inserted && world.graph->remove_node(12);
   });
   REQUIRE(ok);
   REQUIRE(solver->covariance_valid());

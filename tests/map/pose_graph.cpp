@@ -250,6 +250,177 @@ TEMPLATE_TEST_CASE("pose_graph: bad input is refused and changes nothing", "", R
   REQUIRE((graph.odometry(1).covariance() - Q).norm() < S(1e-5));
 }
 
+TEMPLATE_TEST_CASE("pose_graph: odometry is replaced, bad one refused", "", RelativePoseResidual<double>,
+                   RelativePoseYawResidual<float>, RelativeSim3Residual<double>) {
+  using S = typename TestType::Scalar;
+  using In = PoseGraphInsertion;
+  SimulatedGraph<TestType> world(3, 10, {});
+  auto& graph = *world.graph;
+  const auto Q = world.covariance(world.sigma_loop), before = graph.odometry(4).covariance();
+  const auto measured = world.measure(3, 4, world.sigma_loop, 0);
+  const auto pose = test::numbers(graph.pose(4));
+  auto wrong = Q;
+  wrong(1, 1) = S(-1);
+  for (const int node : {-1, 0, 10}) REQUIRE(graph.set_odometry(node, measured, Q) == In::no_such_node);
+  REQUIRE(graph.set_odometry(4, measured, wrong) == In::not_positive_definite);
+  wrong(1, 1) = std::numeric_limits<S>::infinity();
+  REQUIRE(graph.set_odometry(4, measured, wrong) == In::not_finite);
+  REQUIRE(graph.odometry(4).covariance() == before);
+  REQUIRE(graph.set_odometry(4, measured, Q) == In::inserted);
+  REQUIRE(test::numbers(graph.odometry(4).residual.measured) == test::numbers(measured));
+  REQUIRE((graph.odometry(4).covariance() - Q).norm() < S(1e-5) * Q.norm());
+  REQUIRE(test::numbers(graph.pose(4)) == pose);
+}
+
+TEMPLATE_TEST_CASE("pose_graph: a composed and an inverse edge have the covariance of their samples", "",
+                   RelativePoseResidual<double>, RelativePoseYawResidual<double>, RelativeSim3Residual<double>) {
+  using World = SimulatedGraph<TestType>;
+  using Vector = typename World::Vector;
+  constexpr int dim = TestType::dim, samples = 20000;
+  World world(8, 3, {});
+  const auto& first = world.graph->odometry(1);
+  const auto& second = world.graph->odometry(2);
+  const auto T0 = world.truth[0];
+  const auto composed = first.composed(T0, second), inverse = first.inverse(T0);
+  REQUIRE(composed);
+  REQUIRE(inverse);
+  typename World::Covariance P_composed = World::Covariance::Zero(), P_inverse = P_composed;
+  const auto increment = [&] {
+    Vector d;
+    for (int n = 0; n < dim; ++n) d[n] = world.sigma_odometry[n] * world.noise();
+    return d;
+  };
+  const auto T1 = T0 * first.residual.measured, T2 = T1 * second.residual.measured;
+  for (int n = 0; n < samples; ++n) {  // in the frame of the map: the increments of one mode turn about its vertical
+    const auto T1_n = TestType::moved(T1, increment());
+    const auto step = T1.inverse() * TestType::moved(T2, increment());
+    const Vector d = composed->residual.residual(T0, T1_n * step), e = inverse->residual.residual(T1_n, T0);
+    P_composed += d * d.transpose() / samples;
+    P_inverse += e * e.transpose() / samples;
+  }
+  REQUIRE((composed->covariance() - P_composed).norm() < 0.05 * P_composed.norm());
+  REQUIRE((inverse->covariance() - P_inverse).norm() < 0.05 * P_inverse.norm());
+  const auto back = inverse->inverse(T1);
+  REQUIRE(back);
+  REQUIRE((back->covariance() - first.covariance()).norm() < 1e-9 * first.covariance().norm());
+}
+
+TEMPLATE_TEST_CASE("pose_graph: a node is removed, its edges merge and its loops move", "",
+                   RelativePoseResidual<double>, RelativePoseYawResidual<double>, RelativeSim3Residual<double>,
+                   RelativePoseResidual<float>) {
+  using S = typename TestType::Scalar;
+  const double tolerance = std::is_same_v<S, float> ? 2e-4 : 1e-9;
+  for (const int node : {0, 1, 12, 24, 28, 29}) {
+    // Exact measurements: whatever is removed, all residuals stay zero.
+    SimulatedGraph<TestType> world(1, 30, {{0, 24}, {24, 5}, {12, 13}, {12, 11}, {29, 2}, {28, 29}, {1, 0}}, 0);
+    auto& graph = *world.graph;
+    const double det_12 = double(graph.odometry(12).L.determinant());
+    REQUIRE(graph.remove_node(node));
+    REQUIRE(graph.nodes() == 29);
+    REQUIRE(graph.loops() == (node == 0 || node == 29 ? 6 : 7));  // (1, 0) and (28, 29) have no other neighbor
+    auto truth = world.truth;
+    truth.erase(truth.begin() + node);
+    for (int k = 0; k < 29; ++k) REQUIRE(double(world.error(k < node ? k : k + 1, graph.pose(k)).norm()) < tolerance);
+    for (int k = 1; k < 29; ++k) {
+      REQUIRE(double(graph.odometry(k).residual.residual(truth[k - 1], truth[k]).norm()) < tolerance);
+    }
+    for (int l = 0; l < graph.loops(); ++l) {
+      const auto& loop = graph.loop(l);
+      REQUIRE((loop.i >= 0 && loop.j >= 0 && loop.i < 29 && loop.j < 29 && loop.i != loop.j));
+      REQUIRE(double(loop.edge.residual.residual(truth[loop.i], truth[loop.j]).norm()) < tolerance);
+    }
+    if (node == 12) REQUIRE(double(graph.odometry(12).L.determinant()) < det_12);
+  }
+}
+
+TEMPLATE_TEST_CASE("pose_graph: a moved loop has the covariance of its samples, either end, either way", "",
+                   RelativePoseResidual<double>, RelativePoseYawResidual<double>, RelativeSim3Residual<double>) {
+  using World = SimulatedGraph<TestType>;
+  constexpr int samples = 10000;
+  for (const bool to_before : {true, false}) {
+    World world(4, 30, {{10, 24}, {24, 12}}, 0);
+    auto& graph = *world.graph;
+    const auto& truth = world.truth;
+    const auto T_before = truth[22].inverse() * truth[23];
+    const auto T_23_24 = truth[23].inverse() * truth[24], T_24_25 = truth[24].inverse() * truth[25];
+    const auto Q = world.covariance(world.sigma_odometry), certain = typename World::Covariance(0.9 * Q);
+    REQUIRE(graph.set_odometry(23, T_before, Q) == PoseGraphInsertion::inserted);
+    REQUIRE(graph.set_odometry(24, T_23_24, to_before ? certain : Q) == PoseGraphInsertion::inserted);
+    REQUIRE(graph.set_odometry(25, T_24_25, to_before ? Q : certain) == PoseGraphInsertion::inserted);
+    REQUIRE(graph.remove_node(24));
+    const int m = to_before ? 23 : 24;  // the index of the neighbor now
+    REQUIRE(graph.loop(0).i == 10);
+    REQUIRE(graph.loop(0).j == m);
+    REQUIRE(graph.loop(1).i == m);
+    REQUIRE(graph.loop(1).j == 12);
+    const auto moved_by = [&](int k, const typename World::Vector& sigma, double factor) {
+      typename World::Vector d;
+      for (int n = 0; n < TestType::dim; ++n) d[n] = factor * sigma[n] * world.noise();
+      return TestType::moved(truth[k], d);
+    };
+    typename World::Covariance P_j = World::Covariance::Zero(), P_i = P_j;
+    for (int n = 0; n < samples; ++n) {
+      const auto step = to_before ? (truth[23].inverse() * moved_by(24, world.sigma_odometry, std::sqrt(0.9))).inverse()
+                                  : truth[24].inverse() * moved_by(25, world.sigma_odometry, std::sqrt(0.9));
+      const auto T_j = moved_by(24, world.sigma_loop, 1) * step, T_i = truth[24] * step;
+      const auto d_j = graph.loop(0).edge.residual.residual(truth[10], T_j);
+      const auto d_i = graph.loop(1).edge.residual.residual(T_i, moved_by(12, world.sigma_loop, 1));
+      P_j += d_j * d_j.transpose() / samples;
+      P_i += d_i * d_i.transpose() / samples;
+    }
+    REQUIRE((graph.loop(0).edge.covariance() - P_j).norm() < 0.06 * P_j.norm());
+    REQUIRE((graph.loop(1).edge.covariance() - P_i).norm() < 0.06 * P_i.norm());
+  }
+}
+
+TEMPLATE_TEST_CASE("pose_graph: without a node that no loop touches, the solution is the same", "",
+                   RelativePoseResidual<double>, RelativePoseYawResidual<double>, RelativeSim3Residual<double>) {
+  SimulatedGraph<TestType> world(6, 46, loops_of_two_laps);
+  const auto all = solve<NoLoss>(world);
+  // Composition is exact to first order: linearized at the solution of all nodes.
+  world.graph->set_poses(46, [&](int k) { return all->pose(k); });
+  REQUIRE(world.graph->remove_node(35));
+  REQUIRE(world.graph->remove_node(17));
+  const auto fewer = solve<NoLoss>(world);
+  REQUIRE(fewer->summary().final_cost == Approx(all->summary().final_cost).epsilon(0.05));
+  const auto P = all->newest_covariance();
+  REQUIRE((fewer->newest_covariance() - P).norm() < 0.02 * P.norm());
+  const Vec<double, TestType::dim> d =
+      TestType{world.truth[0].inverse() * fewer->pose(43)}.residual(world.truth[0], all->pose(45));
+  REQUIRE(d.dot(P.ldlt().solve(d)) < 0.01);  // a tenth of its sigma
+}
+
+TEMPLATE_TEST_CASE("pose_graph: a moved loop corrects the drift as before", "", RelativePoseResidual<double>,
+                   RelativePoseYawResidual<double>, RelativeSim3Residual<double>) {
+  SimulatedGraph<TestType> world(6, 46, loops_of_two_laps);
+  const auto all = solve(world);
+  REQUIRE(world.graph->set_odometry(24, world.graph->odometry(24).residual.measured,
+                                    1e-4 * world.covariance(world.sigma_odometry)) == PoseGraphInsertion::inserted);
+  REQUIRE(world.graph->remove_node(24));
+  REQUIRE(world.graph->loop(0).j == 23);  // the more certain edge is the one to node 23
+  const auto fewer = solve(world);
+  const auto P = all->newest_covariance();
+  REQUIRE((fewer->newest_covariance() - P).norm() < 0.1 * P.norm());
+  REQUIRE(double(world.error(45, fewer->pose(44)).norm()) < 0.02 + 1.5 * world.error(45, all->pose(45)).norm());
+}
+
+TEST_CASE("pose_graph: the only node stays, and two become one") {
+  PoseGraph<RelativePoseResidual<double>, 3, 2> graph;
+  const Mat<double, 6, 6> Q = Mat<double, 6, 6>::Identity();
+  const SE3<double> T(SO3<double>(), Vec<double, 3>(1, 2, 3));
+  REQUIRE(!graph.remove_node(0));
+  REQUIRE(graph.add_first({}) == PoseGraphInsertion::inserted);
+  REQUIRE(!graph.remove_node(0));
+  REQUIRE(graph.add_node(T, Q) == PoseGraphInsertion::inserted);
+  REQUIRE(graph.add_loop(0, 1, T, Q) == PoseGraphInsertion::inserted);
+  REQUIRE(!graph.remove_node(2));
+  REQUIRE(!graph.remove_node(-1));
+  REQUIRE(graph.remove_node(0));
+  REQUIRE(graph.nodes() == 1);
+  REQUIRE(graph.loops() == 0);
+  REQUIRE(graph.pose(0).p() == T.p());
+}
+
 TEST_CASE("pose_graph: nothing to solve, and numbers that overflow") {
   using Graph = PoseGraph<RelativePoseResidual<double>, 4, 2>;
   Graph graph;

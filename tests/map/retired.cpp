@@ -1,6 +1,7 @@
 // What a map gets when a frame leaves the window: the frame as it was estimated last, and the landmarks anchored in it.
 #include "plumbline/map/retired.hpp"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <cstdint>
 #include <memory>
@@ -58,9 +59,17 @@ struct Remembered {
 /// Keeps copies of all that it is given.
 template <class S>
 struct Memory {
+  struct Edge {
+    std::uint32_t a, b;
+    Mat<S, 6, 6> covariance;
+  };
   std::vector<Remembered<S>> frames;
+  std::vector<Edge> edges;
 
   void on_retired(const auto& retired) {
+    retired.for_each_neighbor([this](std::uint32_t a, std::uint32_t b, const auto& covariance) {
+      edges.push_back({a, b, covariance});
+    });
     Remembered<S> frame{retired.sequence, retired.t_ns, retired.x.T_world_body, {}, {}, {}};
     retired.for_each_landmark([&](const auto& landmark, const auto& seen) {
       using Kind = typename std::remove_cvref_t<decltype(landmark)>::Kind;
@@ -91,14 +100,14 @@ struct Run {
 
   testing::SimulatedPoints points;
   std::vector<Vec<double, 3>> p_world, q_world;  ///< of edges
-  testing::Gaussian noise{5};
+  testing::Gaussian noise;
   Sensors<S> rig{};
   std::unique_ptr<Landmarks> landmarks = std::make_unique<Landmarks>(StoreOptions{}, StoreOptions{});
   std::unique_ptr<Backend> backend = std::make_unique<Backend>(WindowOptions{}, ConstantVelocityOptions{});
   Memory<S> map;
   int keyframes = 0;
 
-  Run() {
+  explicit Run(std::uint64_t seed = 5) : noise(seed) {
     points.noise_scale = noise_scale;
     points.scatter(45, {1, 0.8, 0.8}, 1);
     rig.vision.camera = {S(460), S(460), S(319.5), S(239.5), {}};
@@ -257,4 +266,37 @@ TEST_CASE("retired: a map gets every frame once, in the order of marginalization
     CHECK(run.map.frames[k].t_ns == run.time(int(k)));
     CHECK(minus(run.map.frames[k].T_world_cam, run.truth(int(k))).norm() < 0.02);
   }
+}
+
+TEMPLATE_TEST_CASE("retired: the window knows how certain the motion to its neighbors is", "", float, double) {
+  using S = TestType;
+  double nees = 0;
+  constexpr int runs = 60;
+  for (int seed = 0; seed < runs; ++seed) {
+    Run<S> run(std::uint64_t(100 + seed));
+    for (int k = 0; k < slots; ++k) run.add_keyframe();
+    const SE3<double> T_0 = run.backend->window().T_world_body(0).template cast<double>(),
+                      T_1 = run.backend->window().T_world_body(1).template cast<double>();
+    run.retire(0);
+    REQUIRE(run.map.edges.size() == 1);  // nothing is before it
+    const auto& edge = run.map.edges[0];
+    CHECK(edge.a + 1 == edge.b);
+    const Vec<double, 6> error = minus(run.truth(0).inverse() * run.truth(1), T_0.inverse() * T_1);
+    const Mat<double, 6, 6> P = edge.covariance.template cast<double>();
+    nees += error.dot(P.llt().solve(error)) / (runs * noise_scale * noise_scale);  // of the noise that sigmas claim
+    CHECK(P.trace() < 1e-3);
+  }
+  CHECK(nees > 3.5);
+  CHECK(nees < 8.5);  // 6 expected
+}
+
+TEST_CASE("retired: a frame in the middle has two neighbors") {
+  Run<double> run;
+  for (int k = 0; k < slots; ++k) run.add_keyframe();
+  run.retire(2);
+  REQUIRE(run.map.edges.size() == 2);
+  CHECK(run.map.edges[0].a == 2);
+  CHECK(run.map.edges[0].b == 3);
+  CHECK(run.map.edges[1].a == 3);
+  CHECK(run.map.edges[1].b == 4);
 }

@@ -3,9 +3,17 @@
 #include <cmath>
 
 #include "catch.hpp"
+#include "plumbline/testing/trajectory.hpp"
 
 using namespace plumbline;
 using namespace plumbline::testing;
+
+namespace {
+
+/// Than a room.
+bool longer(std::string_view name) { return name == "hall" || name == "ring" || name == "doors" || name == "tiles"; }
+
+}  // namespace
 
 TEST_CASE("scenes: every name makes a closed scene of sound rectangles") {
   for (const std::string_view name : testing::scene_names) {
@@ -15,10 +23,10 @@ TEST_CASE("scenes: every name makes a closed scene of sound rectangles") {
       REQUIRE(std::abs(r.e_u.norm() - 1) < 1e-12);
       REQUIRE(std::abs(r.e_u.dot(r.e_v)) < 1e-12);
     }
-    const Vec<double, 3> inside(name == "corridor" ? 2.3 : 0, 0, 1.4);
+    const Vec<double, 3> inside = Trajectory::for_scene(name, 3)->at(0).T_world_body.p();
     for (int i = 0; i < 2000; ++i) {  // directions of a Fibonacci sphere
       const double z = 1 - (i + 0.5) / 1000, angle = i * 2.399963, s = std::sqrt(1 - z * z);
-      REQUIRE(scene.intersect(inside, {s * std::cos(angle), s * std::sin(angle), z}) < (name == "hall" ? 20 : 12));
+      REQUIRE(scene.intersect(inside, {s * std::cos(angle), s * std::sin(angle), z}) < (longer(name) ? 35 : 12));
     }
   }
   REQUIRE(!make_scene("nowhere"));

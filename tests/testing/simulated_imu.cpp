@@ -10,7 +10,7 @@ using namespace plumbline;
 using namespace plumbline::testing;
 
 TEST_CASE("simulated_imu: integrating exact measurements reproduces the motion") {
-  for (const char* scene : {"room", "corridor"}) {
+  for (const char* scene : {"room", "corridor", "ring", "tiles"}) {
     const Trajectory trajectory = *Trajectory::for_scene(scene, 4);
     SimulatedImu imu(ImuQuality::perfect(1000), 4);
     SimulatedImu::Measurement last = imu.next(trajectory);

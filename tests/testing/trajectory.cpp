@@ -1,6 +1,8 @@
 #include "plumbline/testing/trajectory.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "catch.hpp"
@@ -78,7 +80,7 @@ TEST_CASE("trajectory: keeps clear of the furniture and sees surfaces at a usefu
         REQUIRE(scene.distance(T_world_cam.p()) > 0.5);
         const double depth = scene.intersect(T_world_cam.p(), T_world_cam.rotation() * Vec<double, 3>(0, 0, 1));
         REQUIRE(depth > 0.7);
-        REQUIRE(depth < (name == "hall" ? 20.0 : 6.0));
+        REQUIRE(depth < (name == "hall" || name == "ring" || name == "doors" ? 20.0 : 6.0));
       }
     }
   }
@@ -89,6 +91,46 @@ TEST_CASE("trajectory: the corridor's path returns to its start") {
   const Vec<double, 3> start = trajectory.at(1).T_world_body.p(), half = trajectory.at(10.5).T_world_body.p();
   REQUIRE((half - start).norm() > 4);
   REQUIRE((trajectory.at(19.5).T_world_body.p() - start).norm() < 0.3);
+}
+
+TEST_CASE("trajectory: three laps return to the same places with another sway") {
+  for (const std::string_view name : testing::scene_names) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      const Trajectory trajectory = *Trajectory::for_scene(name, seed);
+      const double lap_s = trajectory.lap_s(), begin = trajectory.end_of_lap_s(0) + 4, end = trajectory.end_of_lap_s(1);
+      for (double t = begin; t < end; t += 0.5) {
+        const MotionState first = trajectory.at(t);
+        for (const int lap : {1, 2}) {
+          const MotionState again = trajectory.at(t + lap * lap_s);
+          const double away = (again.T_world_body.p() - first.T_world_body.p()).norm();
+          const double turned = minus(again.T_world_body.rotation(), first.T_world_body.rotation()).norm();
+          CAPTURE(name, seed, t, lap, away, turned);
+          REQUIRE((away > 1e-3 && away < (name == "walk" ? 1.2 : name == "hall" ? 0.9 : 0.6)));
+          REQUIRE(turned < 1.3);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("trajectory: the ring walks about 1.2 m/s on a center line of 50 m, at another place for each seed") {
+  REQUIRE(RingPath::lap == 50);
+  for (double q = -10; q < 60; q += 0.37) {  // closed, (1) and (2)
+    const RingPath a = RingPath::at({q, 1, 0}), b = RingPath::at({q + RingPath::lap, 1, 0});
+    REQUIRE(std::hypot(a.x.value - b.x.value, a.y.value - b.y.value) < 1e-9);
+    REQUIRE(b.heading.value - a.heading.value == Approx(2 * std::numbers::pi));
+    const double speed = std::hypot(a.x.d1, a.y.d1);
+    REQUIRE((speed > 0.707 && speed < 1 + 1e-9));
+    REQUIRE(a.x.d1 * std::cos(a.heading.value) + a.y.d1 * std::sin(a.heading.value) > 0.95 * speed);
+  }
+  double path = 0;
+  const Trajectory trajectory = *Trajectory::for_scene("ring", 1);
+  const double begin = trajectory.end_of_lap_s(0) + 2, dt = 0.01;
+  for (double t = begin; t < begin + trajectory.lap_s(); t += dt) path += dt * trajectory.at(t).v_world_body.norm();
+  REQUIRE((path > 46 && path < 52));
+  REQUIRE(trajectory.lap_s() == Approx(50 / 1.2));
+  const Vec<double, 3> other = Trajectory::for_scene("ring", 2)->at(0).T_world_body.p();
+  REQUIRE((trajectory.at(0).T_world_body.p() - other).norm() > 1);
 }
 
 TEST_CASE("trajectory: a walk by hand swings and trembles at 1 to 3 Hz, at 0.4 to 1.2 m/s") {

@@ -50,6 +50,31 @@ TEST_CASE("reference patch: holds the pixels around the feature on each level") 
   }
 }
 
+TEST_CASE("reference patch: a crop holds the pixels around the feature") {
+  const std::unique_ptr<Pyr> pyramid = random_pyramid();
+  Random random(7);
+  for (int i = 0; i < 100; ++i) {
+    const Vec<float, 2> uv(float(14 + random.uniform() * 171), float(14 + random.uniform() * 131));
+    ReferencePatch patch;
+    REQUIRE(patch.capture(*pyramid, uv));
+    PatchCopy<16, 2> crop;
+    crop.crop(patch);
+    REQUIRE(crop.levels() == 2);
+    for (int l = 0; l < crop.levels(); ++l) {
+      const Vec<float, 2> shift = patch.center(l) - crop.center(l);
+      const int x0 = int(std::lround(shift.x())), y0 = int(std::lround(shift.y()));
+      REQUIRE((shift - Vec<float, 2>(float(x0), float(y0))).norm() < 1e-4f);
+      REQUIRE((crop.center(l).array() - 7.5f).abs().maxCoeff() <= 0.5f + 1e-4f);
+      for (int y = 0; y < 16; ++y) {
+        for (int x = 0; x < 16; ++x) REQUIRE(crop.level(l)(x, y) == patch.level(l)(x0 + x, y0 + y));
+      }
+    }
+  }
+  PatchCopy<16, 2> empty;
+  empty.crop(ReferencePatch{});
+  CHECK(empty.levels() == 0);
+}
+
 TEST_CASE("reference patch: too near to the border, NaN and empty pyramids are refused") {
   const std::unique_ptr<Pyr> pyramid = random_pyramid();
   ReferencePatch patch;

@@ -71,16 +71,35 @@ struct LoopGateResult {
   double p_value = 0;
 };
 
-/// Tests a measured pose T_i_j with its covariance, before it is inserted as a loop. Work: one (20) for each edge
-/// between i and j, in either order.
+/// What the odometry between nodes i and j predicts of a loop between them.
+template <RelativeResidual ResidualT>
+struct LoopPrediction {
+  using Residual = ResidualT;
+  using Pose = typename Residual::Pose;
+  using Covariance = Mat<typename Residual::Scalar, Residual::dim, Residual::dim>;
+
+  bool valid = false;  ///< false where a number is not finite, a node does not exist or S has no inverse
+  Pose T_i, T_j;       ///< nodes that the odometry connects; that of the earlier node is in the graph
+  Covariance L = zeros<Covariance>();  ///< L^T L = S^-1
+
+  /// (21) of a measured pose near the one predicted for; infinite where it cannot be formed.
+  double chi2(const Pose& T_i_j) const {
+    const typename Residual::Linearized lin = Residual{T_i_j}.linearize(T_i, T_j);
+    const double out = double(squared_norm(Vec<typename Residual::Scalar, Residual::dim>(times(L, lin.r))));
+    return lin.valid && std::isfinite(out) ? out : std::numeric_limits<double>::infinity();
+  }
+};
+
+/// (20) and S of (21) for a measured pose T_i_j with its covariance. Work: one (20) for each edge between i and j, in
+/// either order.
 template <class Residual, int MaxNodes, int MaxLoops>
-LoopGateResult test_loop(const PoseGraph<Residual, MaxNodes, MaxLoops>& graph, int i, int j,
-                         const typename Residual::Pose& T_i_j,
-                         const Mat<typename Residual::Scalar, Residual::dim, Residual::dim>& covariance,
-                         const LoopGateOptions& options = {}) {
+LoopPrediction<Residual> predict_loop(const PoseGraph<Residual, MaxNodes, MaxLoops>& graph, int i, int j,
+                                      const typename Residual::Pose& T_i_j,
+                                      const typename LoopPrediction<Residual>::Covariance& covariance,
+                                      const LoopGateOptions& options = {}) {
   using S = typename Residual::Scalar;
-  using Matrix = Mat<S, Residual::dim, Residual::dim>;
-  LoopGateResult out;
+  using Matrix = typename LoopPrediction<Residual>::Covariance;
+  LoopPrediction<Residual> out;
   if (i < 0 || j < 0 || i >= graph.nodes() || j >= graph.nodes() || i == j) return out;
   if (!T_i_j.is_finite() || !all_finite(covariance)) return out;
   const int first = i < j ? i : j, last = i < j ? j : i;
@@ -88,9 +107,9 @@ LoopGateResult test_loop(const PoseGraph<Residual, MaxNodes, MaxLoops>& graph, i
   for (int k = first + 1; k <= last; ++k) {
     chain.append(graph.odometry(k).residual.measured, graph.odometry(k).covariance());
   }
-  const typename Residual::Pose &T_i = i < j ? graph.pose(i) : chain.pose(),
-                                &T_j = i < j ? chain.pose() : graph.pose(j);
-  const typename Residual::Linearized lin = Residual{T_i_j}.linearize(T_i, T_j);
+  out.T_i = i < j ? graph.pose(i) : chain.pose();
+  out.T_j = i < j ? chain.pose() : graph.pose(j);
+  const typename Residual::Linearized lin = Residual{T_i_j}.linearize(out.T_i, out.T_j);
   if (!lin.valid) return out;
   const Matrix& J = i < j ? lin.J_r_j : lin.J_r_i;
   Matrix innovation = product_transposed(product(J, chain.covariance()), J);  // (21)
@@ -99,11 +118,29 @@ LoopGateResult test_loop(const PoseGraph<Residual, MaxNodes, MaxLoops>& graph, i
   }
   const Result<Matrix> L = square_root_information(innovation);
   if (!L) return out;
-  out.chi2 = double(squared_norm(Vec<S, Residual::dim>(times(*L, lin.r))));
+  out.L = *L;
+  out.valid = true;
+  return out;
+}
+
+/// Tests a measured pose T_i_j against what was predicted for it, before it is inserted as a loop.
+template <class Residual>
+LoopGateResult test_loop(const LoopPrediction<Residual>& predicted, const typename Residual::Pose& T_i_j,
+                         const LoopGateOptions& options = {}) {
+  LoopGateResult out;
+  if (!predicted.valid) return out;
+  out.chi2 = predicted.chi2(T_i_j);
   out.p_value = chi_square_survival(out.chi2, Residual::dim);
   out.valid = std::isfinite(out.chi2);
   out.accepted = out.valid && out.p_value >= options.rejected_share;  // (22)
   return out;
+}
+template <class Residual, int MaxNodes, int MaxLoops>
+LoopGateResult test_loop(const PoseGraph<Residual, MaxNodes, MaxLoops>& graph, int i, int j,
+                         const typename Residual::Pose& T_i_j,
+                         const typename LoopPrediction<Residual>::Covariance& covariance,
+                         const LoopGateOptions& options = {}) {
+  return test_loop(predict_loop(graph, i, j, T_i_j, covariance, options), T_i_j, options);
 }
 
 }  // namespace plumbline

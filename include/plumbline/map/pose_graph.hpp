@@ -6,7 +6,9 @@
 /// RelativePoseYawResidual (heading and position; with an IMU), RelativeSim3Residual (a camera alone). The graph holds
 /// values only; map/pose_graph_solver.hpp solves it. What is not finite, or no covariance, is refused at insertion.
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -81,6 +83,45 @@ class PoseGraph {
     ++loops_;
     return PoseGraphInsertion::inserted;
   }
+  /// Replaces what the odometry measured between node - 1 and node, node >= 1. Poses stay.
+  [[nodiscard]] PoseGraphInsertion set_odometry(int node, const Pose& T_before_node, const Covariance& covariance) {
+    if (node < 1 || node >= nodes_) return PoseGraphInsertion::no_such_node;
+    return make_edge(T_before_node, covariance, odometry_[std::size_t(node)]);
+  }
+  /// Removes any node but the only one; later nodes take the index before theirs, poses stay. Its two odometry edges
+  /// become one by composition; of the first or the last node, the one edge is dropped. Its loops move to the neighbor
+  /// with the more certain odometry edge (by the determinant), or to the other one where that is their other end, by
+  /// composition with this edge. A loop without a neighbor to move to is removed, see remove_loop. False, and nothing
+  /// changed, where there is no such node or the composed odometry is no edge (numbers that overflow).
+  [[nodiscard]] bool remove_node(int node) {
+    if (node < 0 || node >= nodes_ || nodes_ < 2) return false;
+    const bool before = node > 0, after = node + 1 < nodes_;
+    Edge merged;
+    if (before && after) {
+      const Result<Edge> composed = odometry(node).composed(pose(node - 1), odometry(node + 1));
+      if (!composed) return false;
+      merged = *composed;
+    }
+    const bool to_before = before && (!after || log_information(node) >= log_information(node + 1));
+    for (int l = loops_ - 1; l >= 0; --l) {
+      Loop& loop = loop_edges_[std::size_t(l)];
+      if (loop.i != node && loop.j != node) continue;
+      const int other = loop.i == node ? loop.j : loop.i;
+      int neighbor = to_before ? node - 1 : node + 1;
+      if (neighbor == other) neighbor = 2 * node - neighbor;
+      if (neighbor < 0 || neighbor >= nodes_ || !move_loop(loop, node, neighbor)) remove_loop(l);
+    }
+    for (int l = 0; l < loops_; ++l) {
+      Loop& loop = loop_edges_[std::size_t(l)];
+      loop.i -= loop.i > node;
+      loop.j -= loop.j > node;
+    }
+    if (before && after) odometry_[std::size_t(node + 1)] = merged;
+    std::copy(poses_.begin() + node + 1, poses_.begin() + nodes_, poses_.begin() + node);
+    std::copy(odometry_.begin() + node + 1, odometry_.begin() + nodes_, odometry_.begin() + node);
+    --nodes_;
+    return true;
+  }
   /// Removes loop l; the last one takes its index.
   void remove_loop(int l) {
     PLUMBLINE_ASSERT(l >= 0 && l < loops_);
@@ -113,6 +154,25 @@ class PoseGraph {
   }
 
  private:
+  /// Half the logarithm of the determinant of an odometry edge's information.
+  Scalar log_information(int node) const {
+    Scalar sum = Scalar(0);
+    for (int k = 0; k < dim; ++k) sum += std::log(odometry(node).L(k, k));
+    return sum;
+  }
+  /// The end of a loop at `node` moves to its neighbor. False, and nothing changed, where the result is no edge.
+  bool move_loop(Loop& loop, int node, int neighbor) const {
+    const bool is_j = loop.j == node;
+    const int from = is_j ? node : neighbor, to = is_j ? neighbor : node;  // the step to compose with
+    const Edge& edge = odometry(std::max(from, to));
+    const Result<Edge> step = from < to ? Result<Edge>(edge) : edge.inverse(pose(to));
+    if (!step) return false;
+    const Result<Edge> moved = is_j ? loop.edge.composed(pose(loop.i), *step) : step->composed(pose(from), loop.edge);
+    if (!moved) return false;
+    loop.edge = *moved;
+    (is_j ? loop.j : loop.i) = neighbor;
+    return true;
+  }
   static PoseGraphInsertion make_edge(const Pose& measured, const Covariance& covariance, Edge& edge) {
     const Result<Edge> made = Edge::make(measured, covariance);
     if (!made) {

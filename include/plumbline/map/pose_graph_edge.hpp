@@ -2,6 +2,8 @@
 /// An edge of a pose graph: a measured relative pose with its information.                 docs/math/pose_graph.md (13)
 ///
 ///   L r,  L J_r_i,  L J_r_j  of two nodes,  L^T L = covariance^-1
+///   composed: T_ik = T_ij T_jk,  P_ik = A P_ij A^T + P_jk,  A = transport(T_j, T_k)                          (20)
+///   inverse:  T_ji = T_ij^-1,    P_ji = A P_ij A^T,         A = transport(T_j, T_i)                          (24)
 /// The covariance is that of a right increment of the measured pose.
 
 #include <cmath>
@@ -81,6 +83,25 @@ struct PoseGraphEdge {
       }
     }
     return product_transposed(inverse, inverse);
+  }
+
+  /// (20): this edge from i to j and then another one from j to k, as one with the covariance of both.
+  Result<PoseGraphEdge> composed(const Pose& T_map_i, const PoseGraphEdge& T_j_k) const {
+    const Pose T_map_j = T_map_i * residual.measured, T_map_k = T_map_j * T_j_k.residual.measured;
+    Covariance P = transported(T_map_j, T_map_k);
+    const Covariance Q = T_j_k.covariance();
+    for (int k = 0; k < dim * dim; ++k) P.data()[k] += Q.data()[k];
+    return make(residual.measured * T_j_k.residual.measured, P);
+  }
+  /// (24): the edge from j to i.
+  Result<PoseGraphEdge> inverse(const Pose& T_map_i) const {
+    return make(residual.measured.inverse(), transported(T_map_i * residual.measured, T_map_i));
+  }
+
+ private:
+  Covariance transported(const Pose& T_map_from, const Pose& T_map_to) const {
+    const Covariance A = Residual::transport(T_map_from, T_map_to);
+    return product_transposed(product(A, covariance()), A);
   }
 };
 

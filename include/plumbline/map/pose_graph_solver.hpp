@@ -17,6 +17,7 @@
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/map/pose_graph.hpp"
 #include "plumbline/map/pose_graph_equations.hpp"
+#include "plumbline/solver/gain_ratio_damping.hpp"
 #include "plumbline/solver/levenberg_marquardt.hpp"
 #include "plumbline/solver/robust_loss.hpp"
 
@@ -51,8 +52,7 @@ class PoseGraphSolver {
     covariance_valid_ = nodes_ == 1;
     set_zero(covariance_);
     chi2_.fill(A(0));
-    mu_ = options.mu_initial;
-    nu_ = 2;
+    damping_ = {options.mu_initial};
     last_pass_ = false;
     phase_ = Phase::done;
     if (nodes_ < 2) {
@@ -108,7 +108,7 @@ class PoseGraphSolver {
     index_ = index;
   }
   void start_pass() {
-    equations_.reset(last_pass_ ? A(0) : A(mu_));
+    equations_.reset(last_pass_ ? A(0) : A(damping_.mu));
     sum_ = A(0);
     start(loops_ > 0 ? Phase::loops : Phase::chain, loops_ > 0 ? 0 : 1);
   }
@@ -183,23 +183,20 @@ class PoseGraphSolver {
     if (++index_ == nodes_) evaluated(double(sum_ / 2));
     return 1;
   }
-  /// docs/math/solver.md (14), (15)
   void evaluated(double trial_cost) {
     const double cost = double(cost_), decrease = cost - trial_cost;
     if (!(decrease > 0)) return reject(true, trial_cost);  // also NaN
     std::copy_n(trial_.begin(), nodes_, pose_.begin());
     cost_ = A(trial_cost);
     ++summary_.accepted;
-    mu_ = std::max(options_.mu_min, mu_ * std::max(1.0 / 3, 1 - std::pow(2 * decrease / predicted_ - 1, 3)));
-    nu_ = 2;
+    damping_.accept(decrease, predicted_, options_.mu_min);
     next_iteration(decrease <= options_.relative_cost_tolerance * cost ? End::converged : End::max_iterations);
   }
   void reject(bool solved, double trial_cost) {
-    mu_ *= nu_;
-    nu_ *= 2;
+    damping_.reject();
     const bool rounding =
         solved && predicted_ <= options_.relative_cost_tolerance * double(cost_) && std::isfinite(trial_cost);
-    next_iteration(rounding ? End::converged : mu_ <= options_.mu_max ? End::max_iterations : End::no_progress);
+    next_iteration(rounding ? End::converged : damping_.mu <= options_.mu_max ? End::max_iterations : End::no_progress);
   }
   void next_iteration(End end) {
     if (end != End::max_iterations || summary_.iterations >= options_.max_iterations) return finish(end);
@@ -223,7 +220,7 @@ class PoseGraphSolver {
   /// The last pass follows, at the best poses.
   void finish(End end) {
     summary_.termination = end;
-    summary_.mu = mu_;
+    summary_.mu = damping_.mu;
     summary_.final_cost = double(cost_);
     last_pass_ = true;
     start_pass();
@@ -236,7 +233,8 @@ class PoseGraphSolver {
   Phase phase_ = Phase::done;
   bool last_pass_ = false, covariance_valid_ = false;
   int nodes_ = 0, loops_ = 0, index_ = 0;
-  double mu_ = 0, nu_ = 2, predicted_ = 0;
+  GainRatioDamping damping_;
+  double predicted_ = 0;
   A sum_ = A(0), cost_ = A(0);  ///< sum of rho so far; cost of the best poses
   Mat<A, dim, dim> covariance_;
   std::array<A, std::size_t(Graph::max_loops)> chi2_;

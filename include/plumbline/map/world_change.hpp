@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "plumbline/lie/se3.hpp"
 #include "plumbline/lie/sim3.hpp"
 
 namespace plumbline {
@@ -17,6 +18,9 @@ struct WorldChange {
 
   Kind kind;
   Sim3<S> S_new_old = {};
+  /// Of `transformed`: extrinsics in force from now on. Before initialization the body of a rig with an IMU is in the
+  /// camera, turned; it is the cameras that S_new_old moves.
+  SE3<S> T_body_cam = {};
 };
 
 }  // namespace plumbline

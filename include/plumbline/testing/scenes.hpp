@@ -9,12 +9,13 @@
 #include <string_view>
 
 #include "plumbline/testing/furniture.hpp"
+#include "plumbline/testing/loop_scenes.hpp"
 #include "plumbline/testing/scene.hpp"
 
 namespace plumbline::testing {
 
-inline constexpr std::array<std::string_view, 6> scene_names = {"room",     "room_lowtex", "boards",
-                                                                "corridor", "walk",        "hall"};
+inline constexpr std::array<std::string_view, 9> scene_names = {"room", "room_lowtex", "boards", "corridor", "walk",
+                                                                "hall", "ring",        "doors",  "tiles"};
 
 namespace detail {
 
@@ -194,6 +195,9 @@ inline std::optional<Scene> make_scene(std::string_view name, std::uint64_t seed
   if (name == "boards") return detail::make_boards(surface_seed);
   if (name == "corridor" || name == "walk") return detail::make_corridor(surface_seed);
   if (name == "hall") return detail::make_hall(surface_seed);
+  if (name == "ring") return detail::make_ring(surface_seed);
+  if (name == "doors") return detail::make_doors(surface_seed);
+  if (name == "tiles") return detail::make_tiles(surface_seed);
   return std::nullopt;
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 /// Smooth paths through the simulated scenes with exact derivatives.
 ///
-/// Position and yaw, pitch, roll are sums of sinusoids of the phase s(t). It is constant up to t_0, gains speed during
-/// T (C^5), and may be constant again from b to e; s = t for a camera shaken by hand:
-///   s(t) = r(t - t_0) - r(t - b) + r(t - e),  r(t) = T F(t/T),
-///   F' = 126 x^5 - 420 x^6 + 540 x^7 - 315 x^8 + 70 x^9 on [0, 1], then 1                                        (1)
+/// Position and yaw, pitch, roll are sums of sinusoids of the phase s(t), in the ring beside its center line
+/// (testing/ring_path.hpp). s is constant up to t_0, gains speed during T (C^5), and may be constant again from b to e;
+/// s = t for a camera shaken by hand:
+///   s(t) = r(t - t_0) - r(t - b) + r(t - e),  r(t) = ramp(t, T) of testing/jet.hpp                               (1)
 ///   R_world_body = Rz(yaw) Ry(pitch) Rx(roll)                                                                    (2)
 ///   w_body = [roll' - yaw' sin pitch;  pitch' cos roll + yaw' cos pitch sin roll;
 ///             -pitch' sin roll + yaw' cos pitch cos roll]
@@ -21,22 +21,10 @@
 
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/testing/gaussian.hpp"
+#include "plumbline/testing/jet.hpp"
+#include "plumbline/testing/ring_path.hpp"
 
 namespace plumbline::testing {
-
-/// A function of time with its first two derivatives.
-struct Jet {
-  double value = 0, d1 = 0, d2 = 0;
-
-  friend Jet operator+(const Jet& a, const Jet& b) { return {a.value + b.value, a.d1 + b.d1, a.d2 + b.d2}; }
-  friend Jet operator+(const Jet& a, double c) { return {a.value + c, a.d1, a.d2}; }
-  friend Jet operator*(double c, const Jet& a) { return {c * a.value, c * a.d1, c * a.d2}; }
-  friend Jet sin(const Jet& a) {
-    const double s = std::sin(a.value), c = std::cos(a.value);
-    return {s, c * a.d1, c * a.d2 - s * a.d1 * a.d1};
-  }
-  friend Jet cos(const Jet& a) { return sin(a + std::numbers::pi / 2); }
-};
 
 /// The exact motion of the body at one time.
 struct MotionState {
@@ -62,13 +50,32 @@ class Trajectory {
     if (scene == "corridor") return Trajectory(Kind::corridor, seed);
     if (scene == "walk") return Trajectory(Kind::walk, seed);
     if (scene == "hall") return Trajectory(Kind::hall, seed);
+    if (scene == "ring" || scene == "doors") return Trajectory(Kind::ring, seed);
+    if (scene == "tiles") return Trajectory(Kind::facade, seed);
     return std::nullopt;
   }
 
   /// In the middle of the room, shaken by hand at 2 to 4 Hz from the first instant on: up to 5 rad/s and 20 m/s^2.
   static Trajectory shaken(std::uint64_t seed = 1) { return Trajectory(Kind::shaken, seed); }
 
-  /// Slows down at begin_s, which takes a second (in the hall six), and continues from end_s.
+  /// Time of one lap at full speed [s]; then the body is near the same place, the sway differs. A hand-held walk varies
+  /// its speed: its laps differ by a second.
+  double lap_s() const {
+    switch (kind_) {
+      case Kind::room: return 13;
+      case Kind::corridor: return 18;
+      case Kind::walk: return 18 / 0.92;
+      case Kind::hall: return 45;
+      case Kind::ring: return RingPath::lap / ring_speed;
+      case Kind::facade: return 2 * std::numbers::pi * facade_reach / ring_speed;
+      case Kind::shaken: break;
+    }
+    return 0;
+  }
+  /// Time at which so many laps are complete, with the stationary time before [s].
+  double end_of_lap_s(int laps) const { return stationary_s + speed_up_s() / 2 + laps * lap_s(); }
+
+  /// Slows down at begin_s, which takes as long as speeding up at the begin, and continues from end_s.
   void stop(double begin_s, double end_s) {
     stop_s_ = begin_s;
     go_s_ = end_s;
@@ -98,6 +105,17 @@ class Trajectory {
       y = 4.5 * sin(turn) + sway(1, 0.25, 0.4);
       z = sway(2, 0.20, 0.5) + sway(3, 0.01, 5.0) + 1.6;
       yaw = turn + sway(4, 0.35, 0.45) + sway(5, 0.03, 2.1);
+    } else if (kind_ == Kind::ring) {  // on the center line of the corridor, looking ahead and at the outer wall
+      const RingPath path = RingPath::at(ring_speed * s + RingPath::lap * start_ / (2 * std::numbers::pi));
+      x = path.x + sway(0, 0.05, 1.1);
+      y = path.y + sway(1, 0.05, 1.3);
+      z = sway(2, 0.05, 0.8) + sway(3, 0.008, 9.0) + 1.4;
+      yaw = path.heading + sway(4, 0.22, 1.1) + sway(5, 0.03, 2.7) + (-0.4);
+    } else if (kind_ == Kind::facade) {  // along the facade and back, facing it
+      x = facade_reach * sin((ring_speed / facade_reach) * s + start_) + sway(0, 0.05, 1.1);
+      y = sway(1, 0.08, 0.9);
+      z = sway(2, 0.06, 0.8) + sway(3, 0.008, 9.0) + 1.4;
+      yaw = sway(4, 0.22, 0.9) + sway(5, 0.03, 2.7) + std::numbers::pi / 2;
     } else {  // one lap of the corridor in 18 s: a rectangle with round corners, slower there
       const Jet u = kind_ == Kind::walk ? 0.92 * s + 0.5 * sin(0.5 * s + phase_[9]) : s;
       const Jet turn = (2 * std::numbers::pi / 18) * u;
@@ -121,7 +139,10 @@ class Trajectory {
   }
 
  private:
-  enum class Kind : std::uint8_t { room, corridor, walk, hall, shaken };
+  static constexpr double ring_speed = 1.2;     ///< [m/s] also the largest along the facade
+  static constexpr double facade_reach = 11.7;  ///< [m] to both sides; the sway has no common period with it
+
+  enum class Kind : std::uint8_t { room, corridor, walk, hall, ring, facade, shaken };
 
   static MotionState motion(const Jet& x, const Jet& y, const Jet& z, const Jet& yaw, const Jet& pitch,
                             const Jet& roll) {
@@ -142,19 +163,16 @@ class Trajectory {
     start_ = 2 * std::numbers::pi * random.uniform();
   }
 
+  /// T in (1) [s]
+  double speed_up_s() const {
+    if (kind_ == Kind::hall) return 6 * ramp_s;
+    return kind_ == Kind::ring || kind_ == Kind::facade ? 2 * ramp_s : ramp_s;
+  }
+
   /// (1)
   Jet phase(double t) const {
-    const bool slow = kind_ == Kind::hall;
-    const double T = slow ? 6 * ramp_s : ramp_s;
+    const double T = speed_up_s();
     return ramp(t - stationary_s, T) + (-1.0) * ramp(t - stop_s_, T) + ramp(t - go_s_, T);
-  }
-  static Jet ramp(double t, double T) {
-    const double x = t / T;
-    if (!(x > 0)) return {};
-    if (x >= 1) return {T * (x - 0.5), 1, 0};
-    const double x4 = x * x * x * x, x5 = x4 * x;
-    return {T * x5 * x * (21 + x * (-60 + x * (67.5 + x * (-35 + x * 7)))),
-            x5 * (126 + x * (-420 + x * (540 + x * (-315 + x * 70)))), 630 * x4 * std::pow(1 - x, 4) / T};
   }
 
   Kind kind_;

@@ -2,6 +2,8 @@
 /// Corners that are found again in another image: the strongest local maxima of the corner score.
 ///                                                                                docs/math/place_recognition.md
 ///   S(x, y) >= min_score,   S(x, y) > S(x', y')  for all |x' - x|, |y' - y| <= radius                           (2)
+///   u = x + (S_+ - S_-) / (2 (2 S - S_+ - S_-)),  S_+- = S(x +- 1, y), v likewise: the vertex of a parabola
+///   (2a)
 /// S is the smallest eigenvalue of the structure tensor, corner_score.hpp. `detect_corners` (corner_detector.hpp) gives
 /// every cell of a grid its corner instead: spread evenly for tracking, but found again less often. FAST is not asked:
 /// the maximum of S is often beside the pixel that passes it.
@@ -23,7 +25,7 @@ namespace plumbline {
 struct CornerMaximaOptions {
   static constexpr int radius_px = 3;  ///< of the square in which a corner is the strongest
   float min_score = 1.0f;              ///< above the camera's noise [intensity^2/px^2]
-  int border_px = 16;                  ///< no corner nearer to the image's edge; at least 8
+  int border_px = 16;                  ///< no corner's pixel nearer to the image's edge; at least 8
   float distance_px = 6.0f;            ///< to the existing points
 };
 
@@ -39,6 +41,9 @@ void detect_corner_maxima(const ImageView<const std::uint8_t>& image, std::span<
   limit = std::min(limit, N);
   constexpr int smallest = size + 2 * margin + 8;
   if (image.empty() || image.width < smallest || image.height < smallest || limit == 0) return;
+  const auto vertex = [](float before, float at, float after) {  // (2a), within half a pixel of a strict maximum
+    return (after - before) / (2 * (2 * at - after - before));
+  };
   const auto stronger = [](const Corner& a, const Corner& b) { return a.score > b.score; };  // heap: weakest on top
   const auto is_free = [&](const Vec<float, 2>& uv) {
     return std::none_of(existing.begin(), existing.end(), [&](const Vec<float, 2>& other) {
@@ -66,7 +71,9 @@ void detect_corner_maxima(const ImageView<const std::uint8_t>& image, std::span<
             for (int dx = -r; dx <= r; ++dx) is_maximum = is_maximum && (other[x + dx] < score || (dx == 0 && dy == 0));
           }
           if (!is_maximum) continue;
-          const Vec<float, 2> uv(static_cast<float>(left + x), static_cast<float>(y));
+          const Vec<float, 2> uv(
+              static_cast<float>(left + x) + vertex(row[x - 1], score, row[x + 1]),
+              static_cast<float>(y) + vertex(scores.row(y - 1 - top)[x], score, scores.row(y + 1 - top)[x]));
           if (!is_free(uv)) continue;
           if (out.size() == limit) {
             std::pop_heap(out.begin(), out.end(), stronger);

@@ -94,9 +94,8 @@ inline Vec<float, 2> edge_normal(const Mat<float, 2, 2>& A_cur_ref, const Vec<fl
 
 /// The warped template (9) for search level `level`, sampled where one step is about one pixel of the reference.
 /// False when no held level covers it.
-template <int PatchSize>
-bool warp_template(const ReferencePatch& reference, const Mat<float, 2, 2>& A_cur_ref, int level,
-                   Patch<PatchSize>& out) {
+template <int PatchSize, class Reference>
+bool warp_template(const Reference& reference, const Mat<float, 2, 2>& A_cur_ref, int level, Patch<PatchSize>& out) {
   const float det = A_cur_ref(0, 0) * A_cur_ref(1, 1) - A_cur_ref(0, 1) * A_cur_ref(1, 0);
   Mat<float, 2, 2> A_step;  // offsets of the search level to pixels of reference level m
   A_step << A_cur_ref(1, 1), -A_cur_ref(0, 1), -A_cur_ref(1, 0), A_cur_ref(0, 0);
@@ -125,8 +124,8 @@ inline Mat<float, 2, 2> without_noise(const Mat<float, 2, 2>& JtJ, float noise) 
 }
 
 /// Shared by points and edges: `n` null aligns both components, else the one along the unit normal *n.
-template <int PatchSize, class Pyr>
-Alignment align_on_level(const ReferencePatch& reference, const Mat<float, 2, 2>& A_cur_ref, const Pyr& current,
+template <int PatchSize, class Reference, class Pyr>
+Alignment align_on_level(const Reference& reference, const Mat<float, 2, 2>& A_cur_ref, const Pyr& current,
                          const Vec<float, 2>& uv_guess, const Vec<float, 2>* n, int level,
                          const AlignmentOptions& options) {
   using Template = PatchTemplate<PatchSize>;
@@ -156,8 +155,8 @@ Alignment align_on_level(const ReferencePatch& reference, const Mat<float, 2, 2>
 }
 
 /// Chooses the level, searches one level higher first when asked, then aligns.
-template <int PatchSize, class Pyr>
-Alignment align_from_coarse(const ReferencePatch& reference, const Mat<float, 2, 2>& A_cur_ref, const Pyr& current,
+template <int PatchSize, class Reference, class Pyr>
+Alignment align_from_coarse(const Reference& reference, const Mat<float, 2, 2>& A_cur_ref, const Pyr& current,
                             const Vec<float, 2>& uv_guess, const Vec<float, 2>* n, const AlignmentOptions& options) {
   const int level = search_level(A_cur_ref, Pyr::levels - 1);
   if (level < 0 || reference.levels() == 0) return {false, uv_guess, 0, 0.0f, zeros<float, 2, 2>()};
@@ -170,16 +169,16 @@ Alignment align_from_coarse(const ReferencePatch& reference, const Mat<float, 2,
 }
 
 /// Aligns both components of the position. `uv_guess` and the result are pixels of level 0 of the current image.
-template <int PatchSize = 10, class Pyr>
-Alignment align_patch(const ReferencePatch& reference, const Mat<float, 2, 2>& A_cur_ref, const Pyr& current,
+template <int PatchSize = 10, class Reference, class Pyr>
+Alignment align_patch(const Reference& reference, const Mat<float, 2, 2>& A_cur_ref, const Pyr& current,
                       const Vec<float, 2>& uv_guess, const AlignmentOptions& options) {
   return align_from_coarse<PatchSize>(reference, A_cur_ref, current, uv_guess, nullptr, options);
 }
 
 /// Aligns along the unit normal `n_cur` (10) of an edge alone, with bias and without gain; the other component of the
 /// result is the guess's and measures nothing.
-template <int PatchSize = 10, class Pyr>
-Alignment align_edge(const ReferencePatch& reference, const Mat<float, 2, 2>& A_cur_ref, const Pyr& current,
+template <int PatchSize = 10, class Reference, class Pyr>
+Alignment align_edge(const Reference& reference, const Mat<float, 2, 2>& A_cur_ref, const Pyr& current,
                      const Vec<float, 2>& uv_guess, const Vec<float, 2>& n_cur, const AlignmentOptions& options) {
   return align_from_coarse<PatchSize>(reference, A_cur_ref, current, uv_guess, &n_cur, options);
 }

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
 
@@ -42,7 +43,7 @@ inline bool are_one(const LineSegment& a, const LineSegment& b, const MergeOptio
   const LineSegment& longer = a.length() < b.length() ? b : a;
   const LineSegment& shorter = a.length() < b.length() ? a : b;
   const Vec<float, 2> d = longer.direction();
-  if (!(dot(d, shorter.direction()) > std::cos(options.max_angle_rad))) return false;
+  if (!(dot(d, shorter.direction()) > elementary::cos(options.max_angle_rad))) return false;
   if (!(std::abs(longer.distance(shorter.start)) < options.max_distance_px &&
         std::abs(longer.distance(shorter.end)) < options.max_distance_px)) {
     return false;
@@ -62,8 +63,8 @@ inline LineSegment merged(const LineSegment& a, const LineSegment& b) {
     const Vec<float, 2> c = s->center() - mean, h = 0.5f * (s->end - s->start);
     M += s->length() * (c * c.transpose() + h * h.transpose() / 3.0f);
   }
-  const float angle = 0.5f * std::atan2(2 * M(0, 1), M(0, 0) - M(1, 1));
-  Vec<float, 2> d(std::cos(angle), std::sin(angle));
+  const float angle = 0.5f * elementary::atan2(2 * M(0, 1), M(0, 0) - M(1, 1));
+  Vec<float, 2> d(elementary::cos(angle), elementary::sin(angle));
   if (dot(d, a.end - a.start) < 0) d = -d;
   const auto along = [&](const Vec<float, 2>& uv) { return dot(d, uv - mean); };
   const float from = std::min({along(a.start), along(a.end), along(b.start), along(b.end)});
@@ -80,7 +81,7 @@ void merge_collinear(FixedVector<LineSegment, N>& segments, const MergeOptions& 
   std::sort(segments.begin(), segments.end(), longer);
   std::array<Vec<float, 2>, N> directions;
   for (std::size_t i = 0; i < segments.size(); ++i) directions[i] = segments[i].direction();
-  const float min_cosine = std::cos(options.max_angle_rad);
+  const float min_cosine = elementary::cos(options.max_angle_rad);
   for (std::size_t i = 0; i < segments.size(); ++i) {
     for (std::size_t j = i + 1; j < segments.size();) {
       if (!(dot(directions[i], directions[j]) > min_cosine) || !are_one(segments[i], segments[j], options)) {

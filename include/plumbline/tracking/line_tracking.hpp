@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/image/image_view.hpp"
@@ -62,7 +63,8 @@ class LineTracker {
     if (!fit(edges, guess, offset, options, out)) return out;
     out.profile = profile_of(image, out.segment);
     const float angle_cosine = dot(out.segment.direction(), guess.direction());
-    out.valid = out.segment.length() >= options.min_length_px && angle_cosine > std::cos(options.max_angle_rad) &&
+    out.valid = out.segment.length() >= options.min_length_px &&
+                angle_cosine > elementary::cos(options.max_angle_rad) &&
                 out.profile.similarity(profile) > options.min_similarity;
     return out;
   }
@@ -119,7 +121,7 @@ class LineTracker {
     if (candidates_.empty()) return best;
     const std::size_t n = std::min(candidates_.size(), max_candidates);
     const auto sample = [&](std::size_t i) -> const Candidate& { return candidates_[i * candidates_.size() / n]; };
-    const float steepest = std::tan(options.max_angle_rad);
+    const float steepest = elementary::tan(options.max_angle_rad);
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t j = i + 1; j < n; ++j) {
         const float along = sample(j).along - sample(i).along;

@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/image/image_view.hpp"
 #include "plumbline/tracking/binary_descriptor.hpp"
@@ -40,7 +41,7 @@ class OrbDescriber {
     const std::uint8_t* const center = image.data + y * image.stride + x;
     out.valid = true;
     const Vec<float, 2> m = centroid(center, image.stride);
-    out.angle_rad = std::atan2(m.y(), m.x());
+    out.angle_rad = elementary::atan2(m.y(), m.x());
     const float norm = std::sqrt(squared_norm(m));
     // A patch without a direction keeps the axes of the image.
     out.descriptor =

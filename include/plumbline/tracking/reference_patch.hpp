@@ -14,10 +14,12 @@
 
 namespace plumbline {
 
-class ReferencePatch {
+/// Size: side of the copy on each level [px of the level].
+template <int Size, int MaxLevels>
+class PatchCopy {
  public:
-  static constexpr int max_levels = 3;
-  static constexpr int size = 28;  ///< side of the copy on each level [px of the level]
+  static constexpr int max_levels = MaxLevels;
+  static constexpr int size = Size;
 
   /// Copies the pixels around `uv` [px of level 0]. False, and the patch empty, when they leave the image on level 0;
   /// on coarser levels pixels beyond the edge repeat the edge.
@@ -37,6 +39,21 @@ class ReferencePatch {
     return true;
   }
 
+  /// Copies the middle of a larger copy.
+  template <int LargerSize, int Levels>
+  void crop(const PatchCopy<LargerSize, Levels>& larger) {
+    static_assert(LargerSize >= size, "plumbline: a crop is not larger than what it is taken from");
+    levels_ = std::min(max_levels, larger.levels());
+    for (int l = 0; l < levels_; ++l) {
+      const auto begin = [&](float center) {
+        return std::clamp(static_cast<int>(center + 1.0f) - size / 2, 0, LargerSize - size);
+      };
+      const int x0 = begin(larger.center(l).x()), y0 = begin(larger.center(l).y());
+      copy_pixels(larger.level(l), x0, y0, size, pixels_[l].data());
+      centers_[l] = larger.center(l) - Vec<float, 2>(static_cast<float>(x0), static_cast<float>(y0));
+    }
+  }
+
   int levels() const { return levels_; }  ///< held; 0 when empty
 
   ImageView<const std::uint8_t> level(int l) const {
@@ -52,8 +69,11 @@ class ReferencePatch {
 
  private:
   std::array<std::array<std::uint8_t, size * size>, max_levels> pixels_{};
-  std::array<Vec<float, 2>, max_levels> centers_{zeros<float, 2>(), zeros<float, 2>(), zeros<float, 2>()};
+  std::array<Vec<float, 2>, max_levels> centers_ = {};
   int levels_ = 0;
 };
+
+/// Of a landmark of the window.
+using ReferencePatch = PatchCopy<28, 3>;
 
 }  // namespace plumbline

@@ -1,0 +1,445 @@
+#pragma once
+/// A map of keyframes: recognizes places, closes loops, and finds the map again after a reset.     docs/math/map.md
+///
+///   Estimator<Sensors, Features, Backend, NoClock, KeyframeMap<200>> vio{rig, options, map_options};
+///   vio.map().S_map_world()      correction of the world, which itself never jumps
+///
+/// learn:    descriptors of a new keyframe, ranges of its landmarks; node and edge of the pose graph (place_graph.hpp)
+/// query:    the retired keyframes that look most like the newest one (hamming_place_index.hpp)
+/// verify:   pose in the older keyframe (place_pose.hpp); chi-square test against the odometry (loop_gate.hpp), and
+///           against gravity; two keyframes in a row agree
+/// solve:    pose graph (pose_graph_solver.hpp): heading and position with an IMU, SE(3) with depth, else Sim(3)
+/// A map may be saved and taken in by another run (place_archive.hpp), which extends it, or only finds itself in it
+/// (map_localizer.hpp). Query, each candidate, and slices of the solution are done one a frame, chosen by counts: the
+/// same input gives the same output.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+#include "plumbline/core/fixed_vector.hpp"
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/lie/se3.hpp"
+#include "plumbline/lie/sim3.hpp"
+#include "plumbline/map/hamming_place_index.hpp"
+#include "plumbline/map/keyframe_map_counts.hpp"
+#include "plumbline/map/keyframe_map_options.hpp"
+#include "plumbline/map/local_adjustment.hpp"
+#include "plumbline/map/loop_finder.hpp"
+#include "plumbline/map/map_localizer.hpp"
+#include "plumbline/map/map_points.hpp"
+#include "plumbline/map/place_archive.hpp"
+#include "plumbline/map/place_graph.hpp"
+#include "plumbline/map/place_keyframe.hpp"
+#include "plumbline/map/place_learner.hpp"
+#include "plumbline/map/point_recall.hpp"
+#include "plumbline/map/pose_graph_solver.hpp"
+#include "plumbline/map/world_change.hpp"
+#include "plumbline/residual/relative_pose.hpp"
+#include "plumbline/residual/relative_pose_yaw.hpp"
+#include "plumbline/residual/relative_sim3.hpp"
+#include "plumbline/sensor/rig.hpp"
+#include "plumbline/tracking/binary_descriptor.hpp"
+
+namespace plumbline {
+
+template <RelativeResidual Residual, int MaxKeyframes, std::size_t MaxFeatures, int MaxLoops, bool FindsPoints = false,
+          int MaxPoints = 40 * MaxKeyframes>
+class KeyframeMapCore {
+ public:
+  using Places = PlaceGraph<Residual, MaxKeyframes, MaxFeatures, MaxLoops>;
+  using S = typename Places::S;
+  using Pose = typename Places::Pose;
+  using Keyframe = typename Places::Keyframe;
+  static constexpr int none = Places::none;
+  enum class Stage : std::uint8_t { query, verify, solve, adjust };
+  /// Points of the map are found again, and keyframes adjusted with them.
+  static constexpr bool has_points = FindsPoints;
+  using Points = std::conditional_t<has_points, MapPoints<Places, MaxPoints>, NoMapPoints>;
+
+  explicit KeyframeMapCore(const KeyframeMapOptions& options)
+      : options_(options), places_(options.graph), finder_(options), adjustment_(options.neighborhood) {}
+
+  const Places& places() const { return places_; }
+  const KeyframeMapCounts& counts() const { return counts_; }
+  Sim3<S> S_map_world() const { return places_.S_map_world(); }
+
+  /// sink(std::span<const std::byte>) gets the bytes of the map, place_archive.hpp. In any state.
+  template <class Sink>
+  void save(Sink&& sink) const {
+    save_places(places_, sink, loaded_ > 0 ? places_.keyframe(0).world : largest_world(places_));
+  }
+  /// Takes a saved map in, before the first frame. On an error nothing has changed.
+  MapArchiveError load(std::span<const std::byte> bytes) {
+    const int room = MaxKeyframes - (options_.localize_only ? run_keyframes : 0);
+    const MapArchiveError error = load_places(bytes, places_, room);
+    if (error != MapArchiveError::none) return error;
+    loaded_ = places_.size();
+    for (int k = 0; k < loaded_; ++k) index_.add(std::uint32_t(places_.slot(k)), descriptors_of(places_.keyframe(k)));
+    if (loaded_ > 0) first_id_ = places_.keyframe(loaded_ - 1).id;
+    return error;
+  }
+  /// Keyframes that were taken in, before those of this run.
+  int loaded() const { return loaded_; }
+  /// Whether the present world has its place in the map that was taken in; true without one.
+  bool is_in_map() const { return loaded_ == 0 || localizer_.is_localized() || is_connected(places_.world()); }
+
+  void set_pose(std::uint32_t id, const SE3<S>& T_world_body) { places_.set_pose(first_id_ + id, T_world_body); }
+  void set_covariance(std::uint32_t a, std::uint32_t b, const Mat<S, 6, 6>& covariance) {
+    places_.set_covariance(first_id_ + a, first_id_ + b, covariance);
+  }
+  /// A new keyframe, to be given its features; nullptr when it is refused. `finish` ends it.
+  Keyframe* begin_keyframe(std::uint32_t id, TimeNs t_ns, const SE3<S>& T_world_body, const SE3<S>& T_body_cam,
+                           const Mat<S, 6, 6>& covariance) {
+    if (options_.localize_only && places_.size() - loaded_ >= run_keyframes) forget_oldest();
+    if (places_.size() == MaxKeyframes) evict();
+    if (!places_.add(first_id_ + id, t_ns, T_world_body, T_body_cam, covariance)) return nullptr;
+    return &places_.keyframe(places_.size() - 1);
+  }
+  void finish_keyframe() {
+    const int k = places_.size() - 1;
+    index_.remove(std::uint32_t(places_.slot(k)));
+    index_.add(std::uint32_t(places_.slot(k)), descriptors_of(places_.keyframe(k)));
+    if (stage_ == Stage::query) wanted_ = places_.keyframe(k).id;
+  }
+  Keyframe* retire(std::uint32_t id, const SE3<S>& T_world_body) {
+    places_.retire(first_id_ + id, T_world_body);
+    const int k = places_.find(first_id_ + id);
+    if (k == none) return nullptr;
+    is_unadjusted_ = true;
+    return &places_.keyframe(k);
+  }
+  void change_world(const WorldChange<S>& change) {
+    using Kind = typename WorldChange<S>::Kind;
+    abandon();
+    switch (change.kind) {
+      case Kind::transformed:
+        places_.transform(change.S_new_old, change.T_body_cam);
+        finder_.forget_aliases();
+        is_initialized_ = true;
+        break;
+      case Kind::rejected: remove_present_world(); break;
+      case Kind::reset:
+        if (Places::has_gravity && !is_initialized_) remove_present_world();  // its axes and unit are not the map's
+        places_.begin_world();
+        is_initialized_ = false;
+        break;
+    }
+  }
+
+  /// What work() does next.
+  Stage stage() const { return stage_; }
+  /// One slice: a query, a candidate, or a part of the solution.
+  void work() {
+    switch (stage_) {
+      case Stage::query: return query();
+      case Stage::verify: return verify();
+      case Stage::solve: return solve();
+      case Stage::adjust: return adjust();
+    }
+  }
+
+ protected:
+  Places& mutable_places() { return places_; }
+  Points& points() { return points_; }
+  void count_recalled(std::size_t points) { counts_.recalled += int(points); }
+
+ private:
+  using Loop = PlaceLoop<Places>;
+  static constexpr std::uint32_t nothing = Loop::nothing;
+  static constexpr std::size_t candidates = 3;
+  /// Of this run where the map is only read: more than a window, and not more than half of what there is room for.
+  static constexpr int run_keyframes = std::min(40, MaxKeyframes / 2);
+  using Graph = typename Places::Graph;
+
+  std::span<const BinaryDescriptor> descriptors_of(const Keyframe& keyframe) {
+    descriptors_.clear();
+    for (const PlaceFeature& feature : keyframe.features) descriptors_.push_back(feature.descriptor);
+    return {descriptors_.data(), descriptors_.size()};
+  }
+  void remove_present_world() {
+    for (int k = places_.size() - 1; k >= 0 && places_.keyframe(k).world == places_.world(); --k) {
+      index_.remove(std::uint32_t(places_.slot(k)));
+      points_.forget(places_.keyframe(k), places_.slot(k));
+    }
+    places_.remove_present_world();
+  }
+  /// Ends what is going on: keyframes change.
+  void abandon() {
+    stage_ = Stage::query;
+    wanted_ = nothing;
+    localizer_.reset();
+    last_ = {};
+  }
+  /// Removes the oldest retired keyframe of this run.
+  void forget_oldest() {
+    int k = loaded_;
+    while (k < places_.size() && !places_.keyframe(k).is_retired) ++k;
+    if (k == places_.size()) return;
+    remove(k);
+  }
+  void evict() {
+    if (options_.localize_only) return;
+    const int k = places_.most_redundant();
+    if (k == none) return;
+    if (stage_ == Stage::solve) is_unsolved_ = true;
+    stage_ = Stage::query;
+    counts_.evicted += remove(k);
+  }
+  bool remove(int k) {
+    const int slot = places_.slot(k);
+    if (!places_.remove(k)) return false;
+    index_.remove(std::uint32_t(slot));
+    points_.forget(places_.keyframe_in(slot), slot);
+    return true;
+  }
+
+  /// A map that is only read is not found by keyframes of this run.
+  bool can_be_recognized(const Keyframe& keyframe) const {
+    return keyframe.is_retired && (!options_.localize_only || keyframe.id <= first_id_);
+  }
+  void query() {
+    if (std::exchange(is_unsolved_, false) && places_.graph().loops() > 0) return begin_solution();
+    const int j = wanted_ == nothing ? none : places_.find(std::exchange(wanted_, nothing));
+    if (j == none || (Places::has_gravity && !is_initialized_)) return begin_adjustment();
+    if (last_.is_inserted && places_.find(last_.j) != none && j - places_.find(last_.j) < options_.loop_spacing) return;
+    places_.update();
+    const Keyframe& current = places_.keyframe(j);
+    found_ = index_.query(descriptors_of(current), candidates_,
+                          [this](std::uint32_t slot) { return can_be_recognized(places_.in_slot(int(slot))); });
+    while (found_ > 0 && candidates_[found_ - 1].score < options_.min_score) --found_;
+    ++counts_.queries;
+    next_ = 0;
+    asked_ = current.id;
+    if (found_ > 0) stage_ = Stage::verify;
+  }
+
+  void verify() {
+    const int j = places_.find(asked_);
+    if (j == none || next_ == found_) return end_query();
+    const PlaceCandidate candidate = candidates_[next_++];
+    int i = none;
+    for (int k = 0; k < j; ++k) {
+      if (places_.slot(k) == int(candidate.id)) i = k;
+    }
+    if (i == none) return;
+    Loop loop;
+    if (!finder_.find(places_, i, j, loop, counts_)) return;
+    ++counts_.verified;
+    const bool has_agreed = finder_.agrees(places_, last_, loop);
+    if (has_agreed && !options_.localize_only) points_.join(places_, i, j, finder_.matches());
+    if (options_.localize_only) return localize(loop, has_agreed);
+    if (has_agreed && (last_.is_inserted || insert(last_)) && insert(loop)) {
+      loop.is_inserted = true;
+      last_ = loop;
+      return begin_solution();
+    }
+    last_ = loop;
+    end_query();
+  }
+  void end_query() { stage_ = Stage::query; }
+  /// The map stays; the present world moves.
+  void localize(const Loop& loop, bool has_agreed) {
+    const bool was_localized = localizer_.is_localized();
+    if (has_agreed && localizer_.add(places_, loop, options_.gate)) {
+      places_.join(places_.find(loop.j), localizer_.pose());
+      ++counts_.loops;
+      ++counts_.corrections;
+      counts_.relocalizations += !was_localized;
+    }
+    last_ = loop;
+    end_query();
+  }
+
+  bool insert(const Loop& loop) {
+    const int i = places_.find(loop.i), j = places_.find(loop.j);
+    if (i == none || j == none) return false;
+    Graph& graph = places_.graph();
+    if (graph.loops() == Graph::max_loops) graph.remove_loop(most_crowded_loop());
+    if (places_.keyframe(i).world != places_.keyframe(j).world && !is_connected(places_.keyframe(j).world)) {
+      places_.join(j, graph.pose(i) * loop.T_i_j);  // the solution would begin far from where it ends
+      ++counts_.relocalizations;
+    }
+    if (graph.add_loop(i, j, loop.T_i_j, loop.covariance) != PoseGraphInsertion::inserted) return false;
+    ++counts_.loops;
+    return true;
+  }
+  /// Whether a loop connects that world with an earlier one.
+  bool is_connected(std::uint32_t world) const {
+    const Graph& graph = places_.graph();
+    for (int l = 0; l < graph.loops(); ++l) {
+      const std::uint32_t a = places_.keyframe(graph.loop(l).i).world, b = places_.keyframe(graph.loop(l).j).world;
+      if (a != b && (a == world || b == world)) return true;
+    }
+    return false;
+  }
+  /// The loop whose later end is nearest to that of another one.
+  int most_crowded_loop() const {
+    const Graph& graph = places_.graph();
+    int best = 0, least = MaxKeyframes;
+    for (int l = 0; l < graph.loops(); ++l) {
+      int nearest = MaxKeyframes;
+      for (int m = 0; m < graph.loops(); ++m) {
+        if (m != l) nearest = std::min(nearest, std::abs(graph.loop(l).j - graph.loop(m).j));
+      }
+      if (nearest >= least) continue;
+      least = nearest;
+      best = l;
+    }
+    return best;
+  }
+
+  void begin_solution() {
+    places_.update();
+    solver_.begin(places_.graph());
+    T_world_newest_ = places_.keyframe(places_.size() - 1).T_world_body;
+    world_newest_ = places_.world();
+    stage_ = Stage::solve;
+  }
+  void begin_adjustment() {
+    if constexpr (has_points) {
+      if (options_.localize_only || !std::exchange(is_unadjusted_, false)) return;
+      int k = places_.size() - 1;
+      while (k >= 0 && !places_.keyframe(k).is_retired) --k;
+      if (k < 0 || places_.keyframe(k).world != places_.world()) return;
+      places_.update();
+      if (adjustment_.begin(places_, k)) stage_ = Stage::adjust;
+    }
+  }
+  void adjust() {
+    if constexpr (has_points) {
+      if (!adjustment_.iterate(options_.adjustment_budget)) return;
+      stage_ = Stage::query;
+      adjustment_.apply(places_);
+      ++counts_.adjustments;
+    }
+  }
+  void solve() {
+    if (!solver_.iterate(options_.solver_budget)) return;
+    stage_ = Stage::query;
+    const int n = solver_.nodes();
+    for (int k = 0; k < n; ++k) {
+      if (!solver_.pose(k).is_finite()) return;
+    }
+    if (world_newest_ != places_.world()) return;
+    places_.correct(
+        n, [this](int k) { return solver_.pose(k); }, T_world_newest_);
+    ++counts_.corrections;
+  }
+
+  KeyframeMapOptions options_;
+  KeyframeMapCounts counts_;
+  Stage stage_ = Stage::query;
+  bool is_initialized_ = false, is_unsolved_ = false, is_unadjusted_ = false;
+  int loaded_ = 0;              ///< keyframes of the map that was taken in
+  std::uint32_t first_id_ = 0;  ///< before those of this run
+  std::uint32_t wanted_ = nothing, asked_ = nothing, world_newest_ = 0;
+  std::array<PlaceCandidate, candidates> candidates_;
+  std::size_t found_ = 0, next_ = 0;
+  Loop last_;
+  SE3<S> T_world_newest_;
+  FixedVector<BinaryDescriptor, MaxFeatures> descriptors_;
+  Places places_;
+  Points points_;
+  HammingPlaceIndex<std::size_t(MaxKeyframes), MaxFeatures> index_;
+  LoopFinder<Places, MaxFeatures> finder_;
+  std::conditional_t<has_points, LocalAdjustment<Places>, NoAdjustment> adjustment_;
+  MapLocalizer<Places> localizer_;
+  PoseGraphSolver<Graph> solver_;
+};
+
+/// The mode of the pose graph of a rig.
+template <class Sensors>
+using PlaceResidual =
+    std::conditional_t<Sensors::has_imu, RelativePoseYawResidual<typename Sensors::Scalar>,
+                       std::conditional_t<Sensors::has_depth, RelativePoseResidual<typename Sensors::Scalar>,
+                                          RelativeSim3Residual<typename Sensors::Scalar>>>;
+
+/// FindsPoints: points of the map are found again in new keyframes, and a local bundle adjustment follows. Off: in one
+/// of four recordings of a camera alone poses become three times worse, docs/decisions/141.
+template <int MaxKeyframes, std::size_t MaxFeatures = 200, int MaxLoops = 40, bool FindsPoints = false>
+struct KeyframeMap {
+  using Options = KeyframeMapOptions;
+
+  template <SensorRig Sensors>
+  class MapOf : public KeyframeMapCore<PlaceResidual<Sensors>, MaxKeyframes, MaxFeatures, MaxLoops, FindsPoints> {
+   public:
+    using Core = KeyframeMapCore<PlaceResidual<Sensors>, MaxKeyframes, MaxFeatures, MaxLoops, FindsPoints>;
+    using S = typename Sensors::Scalar;
+
+    MapOf(const Sensors& rig, const Options& options)
+        : Core(of_sensors(options)),
+          is_read_only_(options.localize_only),
+          learner_(rig, options),
+          recall_(rig, options.recall) {}
+
+    void on_keyframe(const auto& keyframe) {
+      keyframe.for_each_frame([this](std::uint32_t id, const SE3<S>& T) { this->set_pose(id, T); });
+      auto* const learned = this->begin_keyframe(keyframe.sequence, keyframe.t_ns, keyframe.x.T_world_body,
+                                                 keyframe.T_body_cam, keyframe.covariance);
+      if (!learned) return;
+      learner_.learn_tracked(keyframe, *learned);
+      if constexpr (Core::has_points) {
+        if (!is_read_only_) recall(keyframe, *learned);
+      }
+      learner_.learn_corners(keyframe, *learned);
+      this->finish_keyframe();
+    }
+    void on_retired(const auto& retired) {
+      retired.for_each_neighbor([this](std::uint32_t a, std::uint32_t b, const Mat<S, 6, 6>& covariance) {
+        this->set_covariance(a, b, covariance);
+      });
+      if (auto* const keyframe = this->retire(retired.sequence, retired.x.T_world_body)) {
+        learner_.retire(retired, *keyframe);
+        this->points().drop_unlocated(*keyframe);
+      }
+    }
+    void on_world_change(const WorldChange<S>& change) { this->change_world(change); }
+
+   private:
+    static Options of_sensors(Options options) {
+      if (Sensors::has_imu && !Sensors::has_depth) options.common_range_error = options.inertial_range_error;
+      return options;
+    }
+
+    /// The points that the keyframe sees: those it tracks, those that it shows again, and new ones.
+    template <class Adopted>
+    void recall(const Adopted& keyframe, typename Core::Keyframe& learned) {
+      auto& places = this->mutable_places();
+      auto& points = this->points();
+      const int k = places.size() - 1;
+      points.take_tracks(places, k);
+      const auto again = recall_.recall(places, points, k, keyframe.image);
+      this->count_recalled(again.size());
+      learner_.learn_recalled(keyframe, again, learned, [&](std::size_t feature, std::uint32_t point) {
+        points.observe(places, k, feature, point);
+      });
+      keyframe.for_each_observation([&](const auto& landmark, const auto&) {
+        if constexpr (requires {
+                        landmark.appearance.patch;
+                        landmark.geometry.inverse_range;
+                      }) {
+          if (!keyframe.is_anchor_of(landmark)) return;
+          for (std::size_t n = 0; n < learned.features.size(); ++n) {
+            if (learned.features[n].landmark == landmark.id && learned.features[n].point == PlaceFeature::no_point)
+              points.add(places, k, n, landmark.appearance.patch);
+          }
+        }
+      });
+    }
+
+    bool is_read_only_;
+    PlaceLearner<Sensors, MaxFeatures> learner_;
+    std::conditional_t<Core::has_points, PointRecall<Sensors, typename Core::Places, MaxFeatures / 2>, NoRecall>
+        recall_;
+  };
+  template <class Parts>
+  using Map = MapOf<typename Parts::Sensors>;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,430 @@
+#pragma once
+/// Keyframes in order of sequence with their pose graph: poses in their world, odometry between neighbors, loops, and
+/// the correction of the present world.                                                       docs/math/map.md 1
+///
+///   T_(k-1)k = T_(k-1)^-1 T_k, with the poses that both have when the first of them retires from the window        (5)
+///   Q_k = (P_k - A P_(k-m) A^T)/m + F, what the window's covariance has grown by; negative eigenvalues are zero   (6)
+///   S_map_world = S_map_n T_n^-1 of the newest keyframe n that was solved for                                      (7)
+/// F is the noise floor of an edge. P is that of the newest frame of the window, with the noise of its own
+/// observations, and grows less than this noise from keyframe to keyframe: (6) is the mean growth over m keyframes. A
+/// growth from one to the next of 25 times the variance that those before it had is that of a visual outage: it is kept
+/// whole, m = 1, and the mean restarts. A keyframe of the window is as certain as a newer one moved to its place. A
+/// keyframe of a new world has an edge without information.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/lie/se3.hpp"
+#include "plumbline/lie/sim3.hpp"
+#include "plumbline/map/map_archive.hpp"
+#include "plumbline/map/place_keyframe.hpp"
+#include "plumbline/map/pose_graph.hpp"
+#include "plumbline/solver/symmetric_eigen.hpp"
+#include "plumbline/state/world_frame_uncertainty.hpp"
+
+namespace plumbline {
+
+struct PlaceGraphOptions {
+  double sigma_rotation = 3e-4;   ///< floor of an edge [rad]; geometry: a tenth of a pixel at 450 px
+  double sigma_position = 1e-3;   ///< floor of an edge [m]
+  int mean_keyframes = 50;        ///< m of (6) at most
+  double sigma_log_scale = 2e-3;  ///< of an edge without an IMU and depth: 100 ranges of 2 % each
+  double unknown_rotation = 10;   ///< sigma of an edge to a new world [rad]
+  double unknown_position = 1e3;  ///< [m]
+  double unknown_log_scale = 10;
+};
+
+template <RelativeResidual ResidualT, int MaxKeyframes, std::size_t MaxFeatures, int MaxLoops>
+class PlaceGraph {
+ public:
+  using Residual = ResidualT;
+  using S = typename Residual::Scalar;
+  using Pose = typename Residual::Pose;
+  using Keyframe = PlaceKeyframe<S, MaxFeatures>;
+  using Graph = PoseGraph<Residual, MaxKeyframes, MaxLoops>;
+  using Covariance = typename Graph::Covariance;
+  static constexpr bool has_scale = std::is_same_v<Pose, Sim3<S>>;
+  static constexpr bool has_gravity = Residual::dim == 4;
+  static constexpr int max_keyframes = MaxKeyframes, none = -1;
+  static constexpr std::size_t max_features = MaxFeatures;
+
+  explicit PlaceGraph(const PlaceGraphOptions& options) : options_(options) {
+    for (int slot = 0; slot < MaxKeyframes; ++slot) order_[std::size_t(slot)] = std::int16_t(slot);
+  }
+
+  int size() const { return size_; }
+  /// Of the k-th one in order of sequence.
+  int slot(int k) const { return order_[std::size_t(k)]; }
+  const Keyframe& keyframe(int k) const { return keyframes_[std::size_t(slot(k))]; }
+  Keyframe& keyframe(int k) { return keyframes_[std::size_t(slot(k))]; }
+  const Keyframe& in_slot(int slot) const { return keyframes_[std::size_t(slot)]; }
+  Keyframe& keyframe_in(int slot) { return keyframes_[std::size_t(slot)]; }
+  /// Place in the order of the keyframe with that id, `none` of others.
+  int find(std::uint32_t id) const {
+    for (int k = size_ - 1; k >= 0 && keyframe(k).id >= id; --k) {
+      if (keyframe(k).id == id) return k;
+    }
+    return none;
+  }
+  Graph& graph() { return graph_; }
+  const Graph& graph() const { return graph_; }
+  const Sim3<S>& S_map_world() const { return S_map_world_; }
+  std::uint32_t world() const { return world_; }
+
+  /// A new keyframe, without features. False when there is no room or its pose is not finite.
+  bool add(std::uint32_t id, TimeNs t_ns, const SE3<S>& T_world_body, const SE3<S>& T_body_cam,
+           const Mat<S, 6, 6>& covariance) {
+    if (size_ == MaxKeyframes || !T_world_body.is_finite() || !all_finite(covariance)) return false;
+    Keyframe& added = keyframe(size_);
+    added.features.clear();
+    added.id = id;
+    added.world = world_;
+    added.t_ns = t_ns;
+    added.T_world_body = added.T_world_body_in_graph = T_world_body;
+    added.is_moved = added.is_new = added.begins_mean = false;
+    added.T_body_cam = T_body_cam;
+    added.covariance = covariance;
+    added.is_retired = false;
+    added.is_fixed = added.is_known = false;
+    if (size_ == 0) {
+      if (graph_.add_first(in_map(T_world_body)) != PoseGraphInsertion::inserted) return false;
+    } else {
+      measure(size_);
+      if (graph_.add_node(in_map(T_world_body), to_pose(added.T_before), of_edge(size_)) !=
+          PoseGraphInsertion::inserted)
+        return false;
+    }
+    ++size_;
+    carry_back();
+    return true;
+  }
+  /// A keyframe of a saved map, after those before it; its features are to follow. False where its numbers are no pose.
+  bool restore(const ArchivedKeyframe& archived) {
+    if (size_ == MaxKeyframes) return false;
+    Keyframe& restored = keyframe(size_);
+    restored.features.clear();
+    restored.id = archived.id;
+    restored.world = archived.world;
+    restored.t_ns = archived.t_ns;
+    restored.T_world_body = restored.T_world_body_in_graph = archived.T_world_body.template cast<S>();
+    restored.T_body_cam = archived.T_body_cam.template cast<S>();
+    restored.T_before = archived.T_before.template cast<S>();
+    restored.Q = cast_to<S>(archived.Q);
+    set_zero(restored.covariance);
+    restored.is_moved = restored.is_new = false;
+    restored.begins_mean = restored.is_retired = restored.is_fixed = true;
+    const Pose T_map_body = from_sim3(archived.S_map_body.template cast<S>());
+    const bool follows = size_ > 0 && keyframe(size_ - 1).world == restored.world;
+    const PoseGraphInsertion answer =
+        size_ == 0 ? graph_.add_first(T_map_body)
+                   : graph_.add_node(T_map_body, to_pose(restored.T_before),
+                                     of_increment(restored.Q, T_map_body, sigma_log_scale(follows)));
+    if (answer != PoseGraphInsertion::inserted) return false;
+    ++size_;
+    world_ = archived.world + 1;
+    return true;
+  }
+  void clear() {
+    size_ = 0;
+    world_ = 0;
+    graph_.clear();
+  }
+  /// The window has moved a frame.
+  void set_pose(std::uint32_t id, const SE3<S>& T_world_body) {
+    const int k = find(id);
+    if (k == none || keyframe(k).is_retired || !T_world_body.is_finite()) return;
+    keyframe(k).T_world_body = T_world_body;
+    keyframe(k).is_moved = true;
+  }
+  /// The window knows the covariance of the pose of frame b in frame a. Before either retires.
+  void set_covariance(std::uint32_t a, std::uint32_t b, const Mat<S, 6, 6>& covariance) {
+    const int k = find(b);
+    if (k <= 0 || keyframe(k).is_fixed || keyframe(k - 1).id != a || !all_finite(covariance)) return;
+    keyframe(k).Q = covariance;
+    keyframe(k).is_known = true;
+  }
+  /// A frame leaves the window: its edges are final.
+  void retire(std::uint32_t id, const SE3<S>& T_world_body) {
+    set_pose(id, T_world_body);
+    const int k = find(id);
+    if (k == none || keyframe(k).is_retired) return;
+    for (int edge = k; edge <= k + 1 && edge < size_; ++edge) {
+      if (edge == 0 || keyframe(edge).is_fixed) continue;
+      measure(edge);
+      keyframe(edge).is_fixed = true;
+      keyframe(edge).is_new = true;
+    }
+    keyframe(k).is_retired = true;
+  }
+  /// Brings the edges and poses of the pose graph up to date: what the window has moved a keyframe by since, moves it
+  /// there, too. From the first loop on the first one is fixed. Not while the graph is solved.
+  void update() {
+    for (int k = 1; k < size_; ++k) {
+      Keyframe& keyframe = this->keyframe(k);
+      if (keyframe.is_fixed && !std::exchange(keyframe.is_new, false)) continue;
+      if (!keyframe.is_fixed) measure(k);
+      (void)graph_.set_odometry(k, to_pose(keyframe.T_before), of_edge(k));
+    }
+    graph_.set_poses(size_, [this](int k) {
+      Keyframe& keyframe = this->keyframe(k);
+      if (!keyframe.is_moved || (k == 0 && graph_.loops() > 0)) return graph_.pose(k);
+      const SE3<S> moved = keyframe.T_world_body_in_graph.inverse() * keyframe.T_world_body;
+      return graph_.pose(k) * to_pose(moved);
+    });
+    for (int k = 0; k < size_; ++k) account_for(keyframe(k));
+  }
+  /// The keyframe that tells least: between whose neighbors the camera has moved least; `none` without one.
+  int most_redundant() const {
+    int best = none;
+    S least = S(0);
+    for (int k = 1; k + 1 < size_; ++k) {
+      if (!keyframe(k).is_retired || !keyframe(k + 1).is_retired || keyframe(k - 1).world != keyframe(k + 1).world)
+        continue;
+      const SE3<S> T = keyframe(k - 1).T_world_body.inverse() * keyframe(k + 1).T_world_body;
+      const S motion = norm(T.p()) / mean_range(keyframe(k)) + norm(T.rotation().log());
+      if (best != none && !(motion < least)) continue;
+      best = k;
+      least = motion;
+    }
+    return best;
+  }
+  /// Removes a keyframe; those after it move up by one. False, and nothing changed, where the pose graph cannot.
+  bool remove(int k) {
+    if (size_ == 1) {
+      graph_.clear();
+    } else if (!graph_.remove_node(k)) {
+      return false;
+    }
+    if (k > 0 && k + 1 < size_) {
+      Keyframe &gone = keyframe(k), &next = keyframe(k + 1);
+      const Mat<S, 6, 6> Q = transported(gone.Q, SE3<S>(), next.T_before) + next.Q;
+      next.T_before = gone.T_before * next.T_before;
+      next.Q = Q;
+      next.is_fixed = next.is_new = true;
+    }
+    std::rotate(order_.begin() + k, order_.begin() + k + 1, order_.begin() + size_);
+    --size_;
+    return true;
+  }
+  /// Its keyframes with all their loops.
+  void remove_present_world() {
+    for (int l = graph_.loops() - 1; l >= 0; --l) {
+      if (keyframe(graph_.loop(l).i).world == world_ || keyframe(graph_.loop(l).j).world == world_)
+        graph_.remove_loop(l);
+    }
+    while (size_ > 0 && keyframe(size_ - 1).world == world_ && remove(size_ - 1)) {
+    }
+  }
+  void begin_world() { ++world_; }
+  /// x_new = S_new_old x_old of the cameras in the present world, whose extrinsics become T_body_cam.
+  void transform(const Sim3<S>& S_new_old, const SE3<S>& T_body_cam) {
+    const S s = S_new_old.scale();
+    for (int k = 0; k < size_; ++k) {
+      Keyframe& keyframe = this->keyframe(k);
+      if (keyframe.world != world_) continue;
+      const SE3<S> T_world_cam = keyframe.T_world_body * keyframe.T_body_cam;
+      keyframe.T_world_body =
+          SE3<S>(S_new_old.rotation() * T_world_cam.rotation(), S_new_old * T_world_cam.p()) * T_body_cam.inverse();
+      keyframe.T_body_cam = T_body_cam;
+      if (k > 0 && this->keyframe(k - 1).world == world_)
+        keyframe.T_before = this->keyframe(k - 1).T_world_body.inverse() * keyframe.T_world_body;
+      for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j < 6; ++j) {
+          const S by = (i < 3 ? S(1) : s) * (j < 3 ? S(1) : s);
+          keyframe.covariance(i, j) *= by;
+          keyframe.Q(i, j) *= by;
+        }
+      }
+      for (PlaceFeature& feature : keyframe.features) {
+        feature.range *= float(s);
+        feature.sigma_range *= float(s);
+      }
+      keyframe.is_new = true;
+    }
+    rebuild_poses();
+  }
+  /// The present world is put where its keyframe k has that pose in the map.
+  void join(int k, const Pose& T_map_k) {
+    const SE3<S>& T_world_k = keyframe(k).T_world_body;
+    S_map_world_ = to_sim3(T_map_k) * to_sim3(T_world_k).inverse();
+    if constexpr (has_gravity) {  // turned about the vertical alone, about keyframe k
+      const Mat<S, 3, 3> R = S_map_world_.rotation().matrix();
+      const SO3<S> heading = SO3<S>::exp({S(0), S(0), std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1))});
+      S_map_world_ = Sim3<S>(S(1), heading, T_map_k.p() - heading * T_world_k.p());
+    }
+    rebuild_poses();
+  }
+  /// The pose graph has been solved: poses of the first `count` keyframes; `T_world_newest` was that of the last one.
+  template <class PoseOf>
+  void correct(int count, PoseOf&& pose_of, const SE3<S>& T_world_newest) {
+    S_map_world_ = to_sim3(pose_of(count - 1)) * to_sim3(T_world_newest).inverse();
+    graph_.set_poses(count, pose_of);
+  }
+
+  /// Keyframes have been adjusted: their poses; the edges between neighbors that both take part become those of the
+  /// poses. What follows the first `count`, and the present world, move with the last one of them.
+  template <class IsAdjusted, class PoseOf>
+  void adjust(int count, IsAdjusted&& is_adjusted, PoseOf&& pose_of) {
+    graph_.set_poses(count, [&](int k) { return is_adjusted(k) ? pose_of(k) : graph_.pose(k); });
+    for (int k = 1; k < count; ++k) {
+      if (!keyframe(k).is_fixed || keyframe(k - 1).world != keyframe(k).world) continue;
+      if (!is_adjusted(k - 1) || !is_adjusted(k)) continue;
+      keyframe(k).is_new = false;
+      (void)graph_.set_odometry(k, graph_.pose(k - 1).inverse() * graph_.pose(k), of_edge(k));
+    }
+    if (keyframe(count - 1).world == world_)
+      S_map_world_ = to_sim3(graph_.pose(count - 1)) * to_sim3(keyframe(count - 1).T_world_body).inverse();
+  }
+
+  Pose in_map(const SE3<S>& T_world_body) const { return from_sim3(S_map_world_ * Sim3<S>(T_world_body)); }
+  static Pose from_sim3(const Sim3<S>& T) {
+    if constexpr (has_scale) {
+      return T;
+    } else {
+      return SE3<S>(T.rotation(), T.t());
+    }
+  }
+  static Pose to_pose(const SE3<S>& T, S scale = S(1)) {
+    if constexpr (has_scale) {
+      return Pose(scale, T.rotation(), T.p());
+    } else {
+      return T;
+    }
+  }
+  static Sim3<S> to_sim3(const auto& T) { return Sim3<S>(T); }
+  /// A covariance of a pose T_i_j, right increment, as that of an edge.
+  static Covariance of_increment(const Mat<S, 6, 6>& P, [[maybe_unused]] const Pose& T_map_j, S sigma_log_scale) {
+    if constexpr (has_gravity) {
+      const Mat<S, 4, 6> J = Residual::from_pose_increment(T_map_j);
+      return product_transposed(product(J, P), J);
+    } else if constexpr (has_scale) {
+      Covariance out = zeros<Covariance>();
+      set_block(out, 0, 0, P);
+      out(6, 6) = sigma_log_scale * sigma_log_scale;
+      return out;
+    } else {
+      return P;
+    }
+  }
+  /// Of the features with a range, in the unit of the keyframe's world; 1 without one.
+  static S mean_range(const Keyframe& keyframe) {
+    S sum = S(0);
+    int n = 0;
+    for (const PlaceFeature& feature : keyframe.features) {
+      if (!feature.is_located()) continue;
+      sum += S(feature.range);
+      ++n;
+    }
+    return n > 0 ? sum / S(n) : S(1);
+  }
+
+ private:
+  /// (5), (6)
+  void measure(int k) {
+    Keyframe& keyframe = this->keyframe(k);
+    const Keyframe& before = this->keyframe(k - 1);
+    keyframe.begins_mean = false;
+    keyframe.T_before = before.T_world_body.inverse() * keyframe.T_world_body;
+    const Mat<S, 6, 6> of_window = keyframe.Q;
+    set_zero(keyframe.Q);
+    const bool is_connected = before.world == keyframe.world;
+    if (is_connected) {
+      const Keyframe& earlier = this->keyframe(first_of_mean(k));
+      const S m = S(k - first_of_mean(k));
+      keyframe.Q = (S(1) / m) * growth(earlier, keyframe);
+      const Mat<S, 6, 6> alone = growth(before, keyframe);
+      keyframe.growth = position_variance(alone);
+      if (is_outage(k)) {
+        keyframe.Q = alone;
+        keyframe.begins_mean = true;
+      }
+      if (keyframe.is_known) keyframe.Q = of_window;
+    }
+    if (is_connected && keyframe.is_known) {
+      return;
+    }
+    const S rotation = S(is_connected ? options_.sigma_rotation : options_.unknown_rotation);
+    const S position = S(is_connected ? options_.sigma_position : options_.unknown_position);
+    for (int i = 0; i < 3; ++i) {
+      keyframe.Q(i, i) += rotation * rotation;
+      keyframe.Q(3 + i, 3 + i) += position * position;
+    }
+  }
+  Covariance of_edge(int k) const {
+    const bool is_connected = keyframe(k - 1).world == keyframe(k).world;
+    return of_increment(keyframe(k).Q, in_map(keyframe(k).T_world_body), sigma_log_scale(is_connected));
+  }
+  S sigma_log_scale(bool is_connected) const {
+    return S(is_connected ? options_.sigma_log_scale : options_.unknown_log_scale);
+  }
+  /// Poses of the present world anew, from the window.
+  void rebuild_poses() {
+    if (size_ == 0) return;
+    const auto pose_of = [this](int k) {
+      return keyframe(k).world == world_ ? in_map(keyframe(k).T_world_body) : graph_.pose(k);
+    };
+    graph_.set_poses(size_, pose_of);
+    for (int k = 0; k < size_; ++k) account_for(keyframe(k));
+  }
+  static void account_for(Keyframe& keyframe) {
+    keyframe.T_world_body_in_graph = keyframe.T_world_body;
+    keyframe.is_moved = false;
+  }
+  /// The first keyframe of the mean (6) that ends at k.
+  int first_of_mean(int k) const {
+    int first = k - 1;
+    while (first > 0 && k - first < options_.mean_keyframes && keyframe(first - 1).world == keyframe(k).world &&
+           !keyframe(first).begins_mean)
+      --first;
+    return first;
+  }
+  /// The uncertainty of a keyframe does not exceed that of a later one: the window is smoothed. The first keyframes of
+  /// a camera alone are given theirs before it has ranges.
+  void carry_back() {
+    const Keyframe& newest = keyframe(size_ - 1);
+    for (int k = size_ - 2; k >= 0; --k) {
+      Keyframe& earlier = keyframe(k);
+      if (earlier.is_retired || earlier.world != newest.world) return;
+      const Mat<S, 6, 6> P = transported(newest.covariance, newest.T_world_body, earlier.T_world_body);
+      if (position_variance(P) < position_variance(earlier.covariance)) earlier.covariance = P;
+    }
+  }
+  /// Whether keyframe k alone has grown more than noise explains.
+  bool is_outage(int k) const {
+    S sum = S(0);
+    int n = 0;
+    for (int before = k - 1; before > first_of_mean(k); --before, ++n) sum += keyframe(before).growth;
+    return n >= 3 && S(n) * keyframe(k).growth > S(25) * sum;
+  }
+  static Mat<S, 6, 6> growth(const Keyframe& from, const Keyframe& to) {
+    return positive_part(to.covariance - transported(from.covariance, from.T_world_body, to.T_world_body));
+  }
+  static S position_variance(const Mat<S, 6, 6>& P) { return P(3, 3) + P(4, 4) + P(5, 5); }
+  /// The symmetric matrix without its negative eigenvalues.
+  static Mat<S, 6, 6> positive_part(const Mat<S, 6, 6>& A) {
+    const SymmetricEigen<S, 6> eigen(A);
+    Mat<S, 6, 6> out = zeros<S, 6, 6>();
+    for (int n = 0; n < 6; ++n) {
+      if (!(eigen.values[n] > S(0))) continue;
+      for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < 6; ++j) out(i, j) += eigen.values[n] * eigen.V(i, n) * eigen.V(j, n);
+    }
+    return out;
+  }
+
+  PlaceGraphOptions options_;
+  int size_ = 0;
+  std::uint32_t world_ = 0;
+  Sim3<S> S_map_world_;
+  std::array<std::int16_t, std::size_t(MaxKeyframes)> order_;
+  std::array<Keyframe, std::size_t(MaxKeyframes)> keyframes_;
+  Graph graph_;
+};
+
+}  // namespace plumbline

@@ -1,0 +1,233 @@
+#pragma once
+/// Geometric verification of a recognized place: the pose of a camera in an older one, from matched features of which
+/// the older keyframe knows the ranges.                                                      docs/math/map.md 2
+///
+///   X_i = range_i b_i in the older camera o,  p_i = T_oc^-1 X_i,  n = p/|p|
+///   r_i = n - b_c,   J_r = (I - n n^T)/|p| [ [p]x, -I ]        by the right increment of T_oc                    (1)
+///   sigma_i^2 = sigma_c^2 + (sigma_o^2 range_i^2 + |(I - n n^T) R_oc^T b_i|^2 sigma_range^2) / |p|^2             (2)
+///   P = (sum J^T J / sigma_i^2)^-1                                                                              (3)
+/// Mutual matches (descriptor_matching.hpp) -> MSAC over P3P, or two points and the vertical -> matches anew near the
+/// predicted bearings, without a test against the second nearest -> Gauss-Newton on (1) with a Geman-McClure weight.
+/// The scale of the current world
+/// in the older one is the weighted mean of log(|p_i| / range of the match), where both ranges are known          (4)
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "plumbline/core/fixed_vector.hpp"
+#include "plumbline/core/matrix.hpp"
+#include "plumbline/core/square_root_information.hpp"
+#include "plumbline/geometry/gravity_pose_ransac.hpp"
+#include "plumbline/geometry/pose_ransac.hpp"
+#include "plumbline/lie/plus.hpp"
+#include "plumbline/lie/se3.hpp"
+#include "plumbline/map/place_keyframe.hpp"
+#include "plumbline/solver/gauss_newton.hpp"
+#include "plumbline/tracking/descriptor_matching.hpp"
+
+namespace plumbline {
+
+struct PlacePoseOptions {
+  DescriptorMatchOptions matching{};
+  DescriptorMatchOptions guided{50, 1.0f};  ///< near the predicted bearing, where few others are
+  double guided_rad = 0.02;                 ///< distance from the predicted bearing
+  double max_relative_sigma = 0.3;          ///< of the range of a feature that takes part
+  PoseRansacOptions ransac{.max_iterations = 200, .confidence = 0.999, .min_inliers = 10};
+  int min_inliers = 20;           ///< after guided matching; paper C, 6
+  double min_inlier_ratio = 0.5;  ///< of the guided matches
+};
+
+/// What an IMU tells of two keyframes.
+template <class S>
+struct PlaceVertical {
+  SO3<S> R_level_old;    ///< from the older camera to axes whose z is up
+  Vec<S, 3> up_current;  ///< unit, in the current camera
+};
+
+template <class S>
+struct PlacePose {
+  bool valid = false;
+  SE3<S> T_old_current;                        ///< between the cameras, in the unit of the older world
+  Mat<S, 6, 6> covariance = zeros<S, 6, 6>();  ///< of its right increment [rad, unit of the older world]
+  int matches = 0, inliers = 0;
+  S log_scale = S(0);          ///< (4), of the unit of the current world in that of the older one
+  S log_scale_sigma = S(1e3);  ///< large: not known
+};
+
+/// Work space and result of the verification; one object serves all.
+template <class S, std::size_t N>
+class PlacePoseSolver {
+ public:
+  using Keyframe = PlaceKeyframe<S, N>;
+  using Correspondences = FixedVector<PoseCorrespondence<S>, N>;
+
+  /// Pose of `current` in `old`; `prior` is the pose predicted, the first hypothesis. `vertical`: where not null, the
+  /// vertical that an IMU tells in both.
+  const PlacePose<S>& solve(const Keyframe& old, const Keyframe& current, const SE3<S>& prior,
+                            const PlacePoseOptions& options, const PlaceVertical<S>* vertical = nullptr) {
+    out_ = {};
+    take(old, current, options);
+    out_.matches = int(match_descriptors(old_descriptors(), current_descriptors(), options.matching, room()));
+    if (out_.matches < options.ransac.min_inliers) return out_;
+    const PoseRansacResult<S, N> result = search(old, current, prior, options, vertical);
+    if (!result.valid) return out_;
+    SE3<S> T = result.T_cam_world.inverse();
+    refine(T, S(options.ransac.chi2));
+    match_guided(old, current, T, options);
+    if (!refine(T, S(options.ransac.chi2))) return out_;
+    find_scale(old, current, T);
+    out_.T_old_current = T;
+    keep_inliers();
+    out_.valid =
+        out_.inliers >= options.min_inliers && out_.inliers >= options.min_inlier_ratio * out_.matches && T.is_finite();
+    return out_;
+  }
+  /// The matches that the last valid pose agrees with: (feature of the older keyframe, of the current one).
+  std::span<const DescriptorMatch> inliers() const { return {inliers_.data(), inliers_.size()}; }
+
+ private:
+  void take(const Keyframe& old, const Keyframe& current, const PlacePoseOptions& options) {
+    old_.clear();
+    current_.clear();
+    old_index_.clear();
+    for (std::size_t i = 0; i < old.features.size(); ++i) {
+      const PlaceFeature& feature = old.features[i];
+      if (!feature.is_located() || !(feature.sigma_range < options.max_relative_sigma * feature.range)) continue;
+      old_.push_back(feature.descriptor);
+      old_index_.push_back(i);
+    }
+    for (const PlaceFeature& feature : current.features) current_.push_back(feature.descriptor);
+  }
+  std::span<const BinaryDescriptor> old_descriptors() const { return {old_.data(), old_.size()}; }
+  std::span<const BinaryDescriptor> current_descriptors() const { return {current_.data(), current_.size()}; }
+  std::span<DescriptorMatch> room() { return {matches_.data(), matches_.size()}; }
+
+  /// The pose that most matches agree with.
+  PoseRansacResult<S, N> search(const Keyframe& old, const Keyframe& current, const SE3<S>& prior,
+                                const PlacePoseOptions& options, const PlaceVertical<S>* vertical) {
+    fill(old, current);
+    if (!vertical) return ransac_pose(correspondences_, prior.inverse(), options.ransac);
+    const SE3<S> T_level_old(vertical->R_level_old, zeros<S, 3>());
+    for (PoseCorrespondence<S>& c : correspondences_) c.p_world = T_level_old * c.p_world;
+    auto result = ransac_gravity_pose(correspondences_, vertical->up_current, prior.inverse() * T_level_old.inverse(),
+                                      options.ransac);
+    result.T_cam_world = result.T_cam_world * T_level_old;
+    fill(old, current);
+    return result;
+  }
+  void fill(const Keyframe& old, const Keyframe& current) {
+    correspondences_.clear();
+    for (int m = 0; m < out_.matches; ++m) {
+      const PlaceFeature& a = old.features[old_index_[matches_[std::size_t(m)].first]];
+      const PlaceFeature& b = current.features[matches_[std::size_t(m)].second];
+      old_of_[std::size_t(m)] = &a;
+      correspondences_.push_back({cast_to<S>(b.bearing), cast_to<S>(a.bearing) * S(a.range), S(b.sigma_rad)});
+    }
+  }
+  void match_guided(const Keyframe& old, const Keyframe& current, const SE3<S>& T, const PlacePoseOptions& options) {
+    const SE3<S> T_current_old = T.inverse();
+    predicted_.clear();
+    for (const std::size_t i : old_index_) {
+      const PlaceFeature& a = old.features[i];
+      predicted_.push_back(cast_to<float>(normalized(Vec<S, 3>(T_current_old * (cast_to<S>(a.bearing) * S(a.range))))));
+    }
+    const float limit = float(options.guided_rad * options.guided_rad);
+    out_.matches = int(match_descriptors(
+        old_descriptors(), current_descriptors(), options.guided, room(), [&](std::size_t i, std::size_t j) {
+          return squared_norm(Vec<float, 3>(predicted_[i] - current.features[j].bearing)) < limit;
+        }));
+    fill(old, current);
+  }
+
+  /// (1) to (3). False when it has no solution. Counts inliers.
+  bool refine(SE3<S>& T, S chi2) {
+    for (const S widening : {S(9), S(4), S(1), S(1), S(1)}) {
+      DenseNormalEquations<S, 6> equations;
+      Mat<S, 6, 6> A = zeros<S, 6, 6>();
+      out_.inliers = 0;
+      const SE3<S> inverse = T.inverse();
+      for (int m = 0; m < out_.matches; ++m) {
+        const PoseCorrespondence<S>& c = correspondences_[std::size_t(m)];
+        const PlaceFeature& a = *old_of_[std::size_t(m)];
+        const Vec<S, 3> p = inverse * c.p_world;
+        const S range = norm(p);
+        is_inlier_[std::size_t(m)] = false;
+        if (!(range > S(0))) continue;
+        const Vec<S, 3> n = p / range, r = n - c.bearing, ray = inverse.rotation() * cast_to<S>(a.bearing);
+        const Vec<S, 3> across = ray - dot(n, ray) * n;
+        const S of_old = S(a.sigma_rad * a.range), of_range = S(a.sigma_range);
+        const S variance = c.sigma_rad * c.sigma_rad +
+                           (of_old * of_old + squared_norm(across) * of_range * of_range) / (range * range);  // (2)
+        const S e2 = squared_norm(r) / variance, gate = widening * chi2, w = gate / (gate + e2);
+        is_inlier_[std::size_t(m)] = e2 < chi2;
+        out_.inliers += e2 < chi2;
+        Mat<S, 3, 3> D;
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j) D(i, j) = (S(i == j) - n[i] * n[j]) / range;
+        Mat<S, 3, 6> J;
+        set_block(J, 0, 0, product(D, hat(p)));
+        set_block(J, 0, 3, Mat<S, 3, 3>(-D));
+        const S weight = w * w / variance;
+        if (!(weight > S(0))) continue;
+        equations.add(J, r, weight);
+        for (int i = 0; i < 6; ++i)
+          for (int j = 0; j < 6; ++j)
+            for (int k = 0; k < 3; ++k) A(i, j) += weight * J(k, i) * J(k, j);
+      }
+      Vec<S, 6> d;
+      if (out_.inliers < 6 || !equations.solve(d) || !all_finite(d)) return false;
+      T = plus(T, d);
+      information_ = A;
+    }
+    const Result<Mat<S, 6, 6>> L = square_root_information(information_);  // L^T L = information^-1
+    if (!L) return false;
+    out_.covariance = L->transpose() * *L;
+    return true;
+  }
+  void keep_inliers() {
+    inliers_.clear();
+    for (std::size_t m = 0; m < std::size_t(out_.matches); ++m) {
+      if (!is_inlier_[m]) continue;
+      inliers_.push_back({old_index_[matches_[m].first], matches_[m].second, matches_[m].distance});
+    }
+  }
+  void find_scale(const Keyframe& old, const Keyframe& current, const SE3<S>& T) {
+    S weights = S(0), sum = S(0);
+    const SE3<S> inverse = T.inverse();
+    for (int pass = 0; pass < 3; ++pass) {  // the mean, then without what is far from it
+      const S mean = weights > S(0) ? sum / weights : S(0), known = weights;
+      weights = sum = S(0);
+      for (int m = 0; m < out_.matches; ++m) {
+        const PlaceFeature& a = old.features[old_index_[matches_[std::size_t(m)].first]];
+        const PlaceFeature& b = current.features[matches_[std::size_t(m)].second];
+        if (!b.is_located()) continue;
+        const S range = norm(Vec<S, 3>(inverse * correspondences_[std::size_t(m)].p_world));
+        const S sa = S(a.sigma_range / a.range), sb = S(b.sigma_range / b.range), v = sa * sa + sb * sb + S(1e-4);
+        const S x = std::log(range / S(b.range)), e2 = (x - mean) * (x - mean) / v;
+        if (!std::isfinite(x)) continue;
+        const S robust = known > S(0) ? S(9) / (S(9) + e2) : S(1);
+        weights += robust / v;
+        sum += robust * x / v;
+      }
+    }
+    if (!(weights > S(0))) return;
+    out_.log_scale = sum / weights;
+    out_.log_scale_sigma = S(1) / std::sqrt(weights);
+  }
+
+  PlacePose<S> out_;
+  FixedVector<BinaryDescriptor, N> old_, current_;
+  FixedVector<std::size_t, N> old_index_;
+  FixedVector<Vec<float, 3>, N> predicted_;
+  std::array<DescriptorMatch, N> matches_;
+  std::array<bool, N> is_inlier_{};
+  FixedVector<DescriptorMatch, N> inliers_;
+  std::array<const PlaceFeature*, N> old_of_;
+  Correspondences correspondences_;
+  Mat<S, 6, 6> information_ = zeros<S, 6, 6>();
+};
+
+}  // namespace plumbline
