@@ -87,9 +87,13 @@ class StructureBackend {
     grow_covariance(landmarks);
   }
 
+  /// A frame as the map gets it.
+  pl::Retired<State, Landmarks> retired(int slot, const Landmarks& landmarks) const {
+    return {slot, window_, landmarks};
+  }
   /// A frame leaves without a trace but what the map keeps of it.
   void retire(const Sensors&, const pl::SE3<S>&, Landmarks& landmarks, int slot, auto& map) {
-    map.on_retired(pl::Retired<State, Landmarks>(slot, window_[slot], landmarks));
+    map.on_retired(retired(slot, landmarks));
     drop(landmarks, slot);
   }
 

@@ -55,18 +55,20 @@ void for_each_combination(auto&& visit) {
 
 /// A map that counts what it is given. Its bytes are so many that what comes after it keeps its alignment.
 struct CountingMap {
+  struct Options {};
   struct Counter {
     int retired = 0, landmarks = 0;
     std::array<std::byte, 4096 - 2 * sizeof(int)> bytes{};
 
-    explicit Counter(const auto& /*options*/) {}
+    Counter(const auto& /*rig*/, const auto& /*options*/) {}
     static void on_keyframe(const auto& /*keyframe*/) {}
     static void on_world_change(const auto& /*change*/) {}
     void on_retired(const auto& frame) {
       ++retired;
       frame.for_each_landmark([&](const auto&, const auto&) { ++landmarks; });
     }
-    static SE3<S> T_map_world() { return {}; }
+    static void work() {}
+    static Sim3<S> S_map_world() { return {}; }
   };
   template <class Parts>
   using Map = Counter;

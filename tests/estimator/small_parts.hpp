@@ -36,7 +36,7 @@ struct SmallParts {
   }();
   RigState<Sensors> rig_state{rig, options.readout};
   std::unique_ptr<Tracker> tracker = std::make_unique<Tracker>(options);
-  std::unique_ptr<Window> window = std::make_unique<Window>(options);
+  std::unique_ptr<Window> window = std::make_unique<Window>(rig, options, NoMap::Options{});
   Parts::Motion motion{rig, options.motion};
   Window::Nav navigation{WorldFrameUncertainty<double>(0)};
   FrameReport report;

@@ -7,6 +7,7 @@
 ///   insert    one more frame, with its factor to an earlier one
 ///   drop      removes a frame without leaving information
 ///   optimize  joint solution for frames and landmarks
+///   retired   a frame as it is handed to the map (map/retired.hpp)
 ///   retire    turns a frame that leaves into prior information, and hands it to the map
 
 #include <concepts>
@@ -40,6 +41,7 @@ concept Backend = HasFrames<B> &&
   { backend.insert(t_ns, x, factor) } -> std::same_as<int>;
   backend.drop(landmarks, 0);
   backend.optimize(rig, T_body_cam, landmarks, true);
+  known.retired(0, landmarks);
   { known.covariance_of_newest(covariance) } -> std::same_as<bool>;
 };
 

@@ -94,6 +94,7 @@ class DirectBackend {
     return summary;
   }
 
+  auto retired(int slot, const Landmarks& landmarks) const { return bundle_.retired(slot, landmarks); }
   void retire(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks, int slot, auto& map) {
     bundle_.retire(rig, T_body_cam, landmarks, slot, map);
   }

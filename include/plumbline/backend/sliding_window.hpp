@@ -203,10 +203,17 @@ class WindowBackend {
     return true;
   }
 
+  /// The frame in `slot`, as it is handed to a map.
+  Retired<State, Landmarks> retired(int slot, const Landmarks& landmarks) const {
+    return {slot, window_, landmarks, {this, [](const void* window, int i, int j, auto& covariance) {
+                                         const auto& self = *static_cast<const WindowBackend*>(window);
+                                         return self.equations_.relative_covariance(self.window_, i, j, covariance);
+                                       }}};
+  }
   /// Marginalizes the frame in `slot`, all landmarks anchored in it and its observations of others into the prior on
   /// the frames that stay, and hands frame and landmarks to the map.
   void retire(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks, int slot, auto& map) {
-    map.on_retired(Retired<State, Landmarks>(slot, window_[slot], landmarks));
+    map.on_retired(retired(slot, landmarks));
     views_.update(window_, T_body_cam);
     begin_linearization();
     prior_.begin_retirement(window_);

@@ -135,6 +135,21 @@ struct WindowEquations {
     return true;
   }
 
+  /// Covariance of T_i_j, the pose of the frame in slot j in that of slot i, right increment; false when it is not
+  /// defined.                                                                                    docs/math/map.md (6)
+  template <class S>
+  bool relative_covariance(const Window& window, int i, int j, Mat<S, state::Pose::dim, state::Pose::dim>& out) const {
+    constexpr int dim = state::Pose::dim;
+    Mat<double, 2 * dim, 2 * dim> joint;
+    if (!normal.joint_covariance(std::array<int, 2>{i, j}, joint)) return false;
+    const SE3<double> T_j_i = (window.T_world_body(j).inverse() * window.T_world_body(i)).template cast<double>();
+    Mat<double, dim, 2 * dim> J = zeros<double, dim, 2 * dim>();
+    set_block(J, 0, 0, Pose(-T_j_i.adjoint()));
+    for (int k = 0; k < dim; ++k) J(k, dim + k) = 1;
+    out = cast_to<S>(Pose(J * joint * J.transpose()));
+    return all_finite(out);
+  }
+
   /// Standard deviation of the time offset [s]; false when it is not defined.
   bool sigma_of_time_offset(double& sigma_s) const {
     Mat<double, Layout::dim, Layout::dim> block;

@@ -257,13 +257,13 @@ template <class Window, class Terms>
 struct PriorOf;
 template <class Window, class... T>
 struct PriorOf<Window, std::tuple<T...>> {
-  using type = WindowPrior<Window, std::max({T::max_rows...}), std::max({T::Kind::dim...}), (T::Sensors::rolls || ...)>;
+  using Type = WindowPrior<Window, std::max({T::max_rows...}), std::max({T::Kind::dim...}), (T::Sensors::rolls || ...)>;
 };
 
 }  // namespace detail
 
 /// Prior of a window with a tuple of terms, one for each kind.
 template <class Window, class Terms>
-using WindowPriorOf = typename detail::PriorOf<Window, Terms>::type;
+using WindowPriorOf = typename detail::PriorOf<Window, Terms>::Type;
 
 }  // namespace plumbline

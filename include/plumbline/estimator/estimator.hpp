@@ -50,14 +50,15 @@ class Estimator {
   using Landmarks = typename Parts::Landmarks;
   using Backend = typename Parts::Backend;
   using Options = EstimatorOptions<Parts>;
+  using MapOptions = typename MapPolicy::Options;
 
-  explicit Estimator(const Sensors& rig, const Options& options = {})
+  explicit Estimator(const Sensors& rig, const Options& options = {}, const MapOptions& map_options = {})
       : rig_(rig),
         max_lost_frames_(options.recovery.max_lost_frames),
         min_inliers_(options.pose.min_inliers),
         rig_state_(rig, options.readout),
         tracker_(options),
-        window_(options),
+        window_(rig, options, map_options),
         motion_(rig, options.motion),
         navigation_(WorldFrameUncertainty<S>(S(options.calibration_error), Sensors::has_imu)),
         initialization_(options),
@@ -80,6 +81,7 @@ class Estimator {
     Stopwatch<TimeSource> whole, stage;
     task_.wait();
     if (!tracker_.images().take_in(frame)) return Error::wrong_image_size;
+    window_.work_on_map();
     timing_ = {.pyramid = stage.lap()};
     View<Sensors> view = begin_frame(frame);
     const int previous_keyframe = window_.begin_frame();
@@ -131,9 +133,16 @@ class Estimator {
   /// Waits until the keyframe task is done. The accessors below that read what it writes do so themselves, as does the
   /// next frame.
   void wait() const { task_.wait(); }
+  /// The executor, e.g. one whose work is done in an idle loop.
+  ExecutorPolicy& executor() { return task_.executor(); }
   const Landmarks& landmarks() const { return wait(), window_.landmarks(); }
   const Backend& backend() const { return wait(), window_.backend(); }
   const Map& map() const { return wait(), window_.map(); }
+  /// To be changed between two frames, as by taking in a saved map before the first one.
+  Map& map() { return wait(), window_.map(); }
+  /// Hands the keyframes of the window to the map as they are, so that it can be saved with them; they are not changed
+  /// in it afterwards.
+  void hand_over_keyframes() { wait(), window_.hand_over(); }
   /// Calibration as estimated so far. Of a rolling shutter the task estimates the readout time, so it is waited for.
   const RigState<Sensors>& rig_state() const {
     if constexpr (Sensors::rolls) wait();

@@ -65,6 +65,7 @@ class KeyframeTask {
     }
   }
   void wait() const { executor_.wait(); }
+  E& executor() { return executor_; }
 
   const State& latest_state() const { return latest_state_; }
 

@@ -17,6 +17,7 @@
 #include "plumbline/estimator/frame_tracker.hpp"
 #include "plumbline/estimator/options.hpp"
 #include "plumbline/estimator/shutter_motion.hpp"
+#include "plumbline/image/image_view.hpp"
 #include "plumbline/map/map.hpp"
 #include "plumbline/state/navigation.hpp"
 #include "plumbline/state/rig_state.hpp"
@@ -25,8 +26,8 @@ namespace plumbline {
 
 template <class Parts, class MapT>
 class KeyframeWindow {
-  static_assert(Map<MapT, typename Parts::Sensors, typename Parts::Motion::State, typename Parts::Landmarks>,
-                "plumbline: a map has on_keyframe, on_retired, on_world_change and T_map_world, see map/map.hpp");
+  static_assert(Map<MapT, typename Parts::Sensors, typename Parts::Window, typename Parts::Landmarks>,
+                "plumbline: a map has on_keyframe, on_retired, on_world_change, work and S_map_world, see map/map.hpp");
 
  public:
   using Sensors = typename Parts::Sensors;
@@ -42,10 +43,10 @@ class KeyframeWindow {
   static constexpr int none = -1;
   static constexpr double drift_ratio = 3;  ///< of a drifting track to the mean motion; tuned: docs/decisions/011
 
-  explicit KeyframeWindow(const EstimatorOptions<Parts>& options)
+  KeyframeWindow(const Sensors& rig, const EstimatorOptions<Parts>& options, const auto& map_options)
       : landmarks_(Parts::FrontEnds::make_landmarks(options)),
         backend_(options.backend, options.motion),
-        map_(options),
+        map_(rig, map_options),
         rule_(options.keyframe),
         min_tracked_(2 * options.pose.min_inliers) {}
 
@@ -56,6 +57,9 @@ class KeyframeWindow {
   Backend& backend() { return backend_; }
   const Backend& backend() const { return backend_; }
   const MapT& map() const { return map_; }
+  MapT& map() { return map_; }
+  /// Gives the map its time in this frame.
+  void work_on_map() { map_.work(); }
 
   /// Slot of the last keyframe.
   int keyframe() const { return keyframe_; }
@@ -191,8 +195,9 @@ class KeyframeWindow {
     tracked_at_keyframe_ = landmarks_.tracked_count();
     motion.begin_factor(x);
     is_latest_keyframe_ = true;
-    learn(slot, view.current, view.T_body_cam);
     const bool has_covariance = backend_.covariance_of_newest(keyframe_covariance_);
+    learn(slot, view.current, view.depth, view.T_body_cam,
+          keyframe_covariance_ + navigation.world().at(x.T_world_body));
     if (Motion::has_imu_factors && !motion.is_initialized()) return;  // its world frame is not that of the navigation
     navigation.set_pose(x.T_world_body);
     if (has_covariance) navigation.set_window_covariance(keyframe_covariance_);
@@ -203,29 +208,13 @@ class KeyframeWindow {
   }
 
   /// Poses are in another world and unit from now on, x_new = S_new_old x_old.
-  void transform_map(const Sim3<S>& S_new_old) {
-    map_.on_world_change(WorldChange<S>{WorldChange<S>::Kind::transformed, S_new_old});
+  void transform_map(const Sim3<S>& S_new_old, const SE3<S>& T_body_cam) {
+    map_.on_world_change(WorldChange<S>{WorldChange<S>::Kind::transformed, S_new_old, T_body_cam});
   }
   /// The initialization was wrong: what the map learned of this world is wrong, and so is the window until its reset.
   void reject_map() {
     map_.on_world_change(WorldChange<S>{WorldChange<S>::Kind::rejected});
     is_rejected_ = true;
-  }
-
- private:
-  /// Tells the map of a keyframe, once: the last one of an initialization is adopted twice.
-  void learn(int slot, const RigPyramid<Sensors>& image, const SE3<S>& T_body_cam) {
-    if (std::exchange(learned_, frames()[slot].sequence) == frames()[slot].sequence) return;
-    map_.on_keyframe(AdoptedKeyframe<State, Sensors, Landmarks>(slot, frames()[slot], image, T_body_cam, landmarks_));
-  }
-  double motion_px() const { return landmarks_.motion_since(keyframe_); }
-  /// Retires a keyframe from a full window, so that there is a slot for the next frame.
-  void make_room(const View<Sensors>& view) {
-    if (!frames().full()) return;
-    // The oldest one, where neighbors in time are connected: by scale without depth, by IMU factors.
-    constexpr bool in_order = Motion::has_imu_factors || !Sensors::has_depth;
-    const int slot = KeyframeRule::leaving(frames(), mean_depth(), in_order);
-    backend_.retire(view.rig, view.T_body_cam, landmarks_, slot, map_);
   }
   /// Hands all keyframes of the window to the map, from the oldest to the newest, before they are removed.
   void hand_over() {
@@ -240,8 +229,26 @@ class KeyframeWindow {
       }
       if (next == none) break;
       last = frames()[next].sequence;
-      map_.on_retired(Retired<State, Landmarks>(next, frames()[next], landmarks_));
+      map_.on_retired(backend_.retired(next, landmarks_));
     }
+  }
+
+ private:
+  /// Tells the map of a keyframe, once: the last one of an initialization is adopted twice.
+  void learn(int slot, const RigPyramid<Sensors>& image, const ImageView<const std::uint16_t>& depth,
+             const SE3<S>& T_body_cam, const Covariance& covariance) {
+    if (std::exchange(learned_, frames()[slot].sequence) == frames()[slot].sequence) return;
+    map_.on_keyframe(
+        AdoptedKeyframe<Frames, Sensors, Landmarks>(slot, frames(), image, depth, T_body_cam, covariance, landmarks_));
+  }
+  double motion_px() const { return landmarks_.motion_since(keyframe_); }
+  /// Retires a keyframe from a full window, so that there is a slot for the next frame.
+  void make_room(const View<Sensors>& view) {
+    if (!frames().full()) return;
+    // The oldest one, where neighbors in time are connected: by scale without depth, by IMU factors.
+    constexpr bool in_order = Motion::has_imu_factors || !Sensors::has_depth;
+    const int slot = KeyframeRule::leaving(frames(), mean_depth(), in_order);
+    backend_.retire(view.rig, view.T_body_cam, landmarks_, slot, map_);
   }
   void drop_temporary() {
     if (temporary_ != none) backend_.drop(landmarks_, std::exchange(temporary_, none));
@@ -250,7 +257,7 @@ class KeyframeWindow {
   void keep_temporary(const View<Sensors>& view) {
     if (temporary_ != none) {
       keyframe_ = std::exchange(temporary_, none);
-      learn(keyframe_, view.previous, view.T_body_cam);
+      learn(keyframe_, view.previous, {}, view.T_body_cam, keyframe_covariance_);
     }
     make_room(view);
   }

@@ -9,9 +9,9 @@
 /// Between keyframes no segments are detected: the outermost members in view give a substitute (`from_points`). It
 /// measures the pose of a frame against the line; in the window it has no rows, since its points have theirs.
 
-#include <cmath>
 #include <cstdint>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/line_kind.hpp"
@@ -55,7 +55,7 @@ struct CollinearKind : LineKind<SensorsT, Loss, CollinearObservation<typename Se
     int hint = 0;     ///< last known index in its store
     int misfits = 0;  ///< optimizations in a row after which it did not fit the line
 
-    S sigma() const { return std::hypot(tolerance, offset); }  ///< sigma of (3) [rad]
+    S sigma() const { return elementary::hypot(tolerance, offset); }  ///< sigma of (3) [rad]
   };
   struct Appearance {
     FixedVector<Member, max_points> points;

@@ -2,9 +2,9 @@
 /// Initialization of a line through points: in the plane of its anchor's segment, through its located members.
 ///                                                                                        docs/math/collinear.md
 
-#include <cmath>
 #include <cstddef>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/collinear_kind.hpp"
@@ -34,8 +34,8 @@ struct MemberInAnchor {
   };
   Rows rows(const Line3<S>& line) const {
     const auto lin = CollinearPoint<S>::linearize(view, line, bearing, lambda);
-    const Vec<S, 2> w = {S(1) / std::hypot(sigma, lin.J_r_lambda[0] * sigma_lambda),
-                         S(1) / std::hypot(sigma, lin.J_r_lambda[1] * sigma_lambda)};
+    const Vec<S, 2> w = {S(1) / elementary::hypot(sigma, lin.J_r_lambda[0] * sigma_lambda),
+                         S(1) / elementary::hypot(sigma, lin.J_r_lambda[1] * sigma_lambda)};
     Rows out{cwise_product(w, lin.r - Vec<S, 2>(offset, S(0))), lin.J_r_line};
     for (int c = 0; c < 4; ++c) out.J_line(0, c) *= w[0], out.J_line(1, c) *= w[1];
     return out;

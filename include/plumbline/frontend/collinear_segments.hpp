@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <tuple>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/collinear_kind.hpp"
@@ -221,7 +222,7 @@ class CollinearSegments {
   static float sigma_across(const Mat<float, 2, 2>& L, const Vec<float, 2>& n) {
     // L is upper triangular: L^-T n by forward substitution.
     const float a = n[0] / L(0, 0), b = (n[1] - L(0, 1) * a) / L(1, 1);
-    return std::hypot(a, b);
+    return elementary::hypot(a, b);
   }
 
   /// Measures a detected segment by its edge in the image.

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <span>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/feature/landmark_store.hpp"
 #include "plumbline/feature/point_kind.hpp"
@@ -96,7 +97,7 @@ class PointFlow {
       PoseCorrespondence<S> correspondence{ray.bearing, p_world(landmark, window, view.T_body_cam), sigma_rad};
       if (const InverseDepth<S>& depth = landmark.current.depth.get(); depth.valid) {
         correspondence.inverse_depth = depth.value;
-        correspondence.sigma_inverse_depth = std::hypot(depth.sigma, landmark.geometry.sigma_inverse_range);
+        correspondence.sigma_inverse_depth = elementary::hypot(depth.sigma, landmark.geometry.sigma_inverse_range);
       }
       take(static_cast<int>(i), correspondence);
     }

@@ -27,6 +27,7 @@
 #include <limits>
 
 #include "plumbline/core/assert.hpp"
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/result.hpp"
 #include "plumbline/core/ring_buffer.hpp"
@@ -292,7 +293,7 @@ ImuCoverage ImuBuffer<Capacity>::for_each_interval(TimeNs t_begin_ns, TimeNs t_e
         sigma(options_.accel_rate, is_accel_saturated, accel_full_scale(), a.accel_in_range_ns);
     for (int k = 0; k < 3; ++k) {
       const double vibration_sigma = options_.vibration * std::sqrt(b.vibration[k] * spacing_s / interval.dt);
-      interval.accel_sigma[k] = std::hypot(unmeasured_sigma, vibration_sigma);
+      interval.accel_sigma[k] = elementary::hypot(unmeasured_sigma, vibration_sigma);
     }
     if (is_gyro_saturated) out.gyro_saturated_s += interval.dt;
     if (is_gyro_saturated || is_accel_saturated) out.saturated_s += interval.dt;

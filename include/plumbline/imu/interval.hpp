@@ -11,6 +11,7 @@
 #include <cmath>
 #include <concepts>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/matrix.hpp"
 
 namespace plumbline {
@@ -29,7 +30,7 @@ struct ImuInterval {
 
   /// Adds white noise to the accelerometer; `sigma`: of its mean over one second [m/s^2].
   void inflate_accelerometer_noise(S sigma) {
-    for (int k = 0; k < 3; ++k) accel_sigma[k] = std::hypot(accel_sigma[k], sigma / std::sqrt(dt));
+    for (int k = 0; k < 3; ++k) accel_sigma[k] = elementary::hypot(accel_sigma[k], sigma / std::sqrt(dt));
   }
 
   template <std::floating_point Other>
@@ -59,8 +60,8 @@ ImuInterval<S> merged(const ImuInterval<S>& a, const ImuInterval<S>& b) {
   out.gyro_end = w + w_half;
   out.accel_begin = a_mean + sculling - a_half;
   out.accel_end = a_mean + sculling + a_half;
-  out.gyro_sigma = std::hypot(ua * a.gyro_sigma, ub * b.gyro_sigma);
-  for (int k = 0; k < 3; ++k) out.accel_sigma[k] = std::hypot(ua * a.accel_sigma[k], ub * b.accel_sigma[k]);
+  out.gyro_sigma = elementary::hypot(ua * a.gyro_sigma, ub * b.gyro_sigma);
+  for (int k = 0; k < 3; ++k) out.accel_sigma[k] = elementary::hypot(ua * a.accel_sigma[k], ub * b.accel_sigma[k]);
   return out;
 }
 

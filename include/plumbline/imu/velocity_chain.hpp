@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "plumbline/core/assert.hpp"
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
 
@@ -113,7 +114,7 @@ class VelocityChain {
   /// Rotates a row into the triangle, (6).
   void rotate_in(Row& row) {
     for (int c = 0; c < columns; ++c) {
-      const double length = std::hypot(R_[c][c], row[c]);
+      const double length = elementary::hypot(R_[c][c], row[c]);
       if (length == 0) continue;
       const double cosine = R_[c][c] / length, sine = row[c] / length;
       for (int k = 0; k < columns; ++k) {

@@ -3,8 +3,8 @@
 ///                                                                               docs/math/inertial_window.md
 
 #include <algorithm>
-#include <cmath>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/solver/levenberg_marquardt.hpp"
 
 namespace plumbline {
@@ -26,7 +26,8 @@ void solve_aligned_window(const Initializer& initializer, const LevenbergMarquar
     if constexpr (Initializer::needs_second_view) {
       const auto& options = initializer.options();
       const double noise = options.alignment.position_sigma * double(initializer.scale());
-      const double sigma = std::hypot(std::max(initializer.scale_sigma(), options.min_scale_sigma) * length, noise);
+      const double sigma =
+          elementary::hypot(std::max(initializer.scale_sigma(), options.min_scale_sigma) * length, noise);
       if (frames.size() > 1) window.backend().hold_distance(frames.oldest(), frames.newest(), length, sigma);
     }
     window.backend().optimize(view.rig, T_body_cam, window.landmarks(), solver);

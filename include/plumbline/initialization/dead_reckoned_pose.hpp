@@ -3,8 +3,7 @@
 /// up-to-scale pose with the present estimate of the scale. A reset continues from it.
 ///                                                                               docs/math/initialization.md (9)
 
-#include <cmath>
-
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
 #include "plumbline/imu/gravity.hpp"
@@ -65,7 +64,7 @@ class DeadReckonedPose {
     x.bias_accel = initial_state_.bias_accel;
     window.set_latest(x);
     const double s = seconds_between(since_ns, navigation.t_ns());
-    const S position_sigma = S(std::hypot(traveled(navigation.T_world_body()), options_.lost_speed * s));
+    const S position_sigma = S(elementary::hypot(traveled(navigation.T_world_body()), options_.lost_speed * s));
     const S heading_sigma = S(gyro_bias_sigma * s);
     navigation.add_variance(heading_sigma * heading_sigma, position_sigma * position_sigma);
   }

@@ -201,7 +201,7 @@ class Initialization {
         frames.set_latest(before);
         return reject(view, on);
       }
-      on.window.transform_map(pose_.similarity(initializer_, T_body_cam));
+      on.window.transform_map(pose_.similarity(initializer_, T_body_cam), T_body_cam);
       on.motion.set_initialized();
       pose_.set_initialized(frames, initializer_, on.navigation);
       finish(view, on);

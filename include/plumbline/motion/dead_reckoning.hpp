@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/imu/increment.hpp"
 #include "plumbline/imu/nav_state.hpp"
@@ -77,7 +78,7 @@ class DeadReckoning {
   /// Whether this position is preferred to another estimate p with its sigma [m]: p is beyond three sigmas of both, or
   /// its sigma is more than twice the one here.
   bool is_preferred_to(const Vec<S, 3>& p, S sigma) const {
-    const S position_sigma = std::sqrt(P_(3, 3)), gate = gate_sigmas * std::hypot(sigma, position_sigma);
+    const S position_sigma = std::sqrt(P_(3, 3)), gate = gate_sigmas * elementary::hypot(sigma, position_sigma);
     const bool excludes = !lost_ && !(norm(Vec<S, 3>(p - x_.T_world_body.p())) <= gate);
     return begun_ && (excludes || !(sigma <= max_sigma_ratio * position_sigma));
   }

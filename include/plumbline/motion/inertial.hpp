@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plumbline/core/elementary.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/result.hpp"
 #include "plumbline/core/time.hpp"
@@ -118,9 +119,9 @@ class Inertial {
     }
     for (int k = 0; k < 3; ++k) {
       const auto sigma = [&](int i) { return std::sqrt(double(increment.covariance(i, i))); };
-      out.prior.sigma[k] = S(std::hypot(options_.rotation_sigma, sigma(k)));
-      out.prior.sigma[3 + k] = S(std::hypot(options_.velocity_sigma * double(outage_s), sigma(3 + k)));
-      position_sigma_[k] = S(std::hypot(velocity_sigma_ * double(outage_s), sigma(3 + k)));
+      out.prior.sigma[k] = S(elementary::hypot(options_.rotation_sigma, sigma(k)));
+      out.prior.sigma[3 + k] = S(elementary::hypot(options_.velocity_sigma * double(outage_s), sigma(3 + k)));
+      position_sigma_[k] = S(elementary::hypot(velocity_sigma_ * double(outage_s), sigma(3 + k)));
     }
     return out;
   }

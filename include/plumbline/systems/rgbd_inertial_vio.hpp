@@ -20,7 +20,10 @@
 ///   - 3D points of two frames compared with each other, without point landmarks
 ///   - lines in world coordinates, triangulated
 ///   - a robust loss on IMU residuals and on the prior
-///   - loop closure by bags of words, pose graph
+///   - bags of words; with a map, places are known by descriptors in Hamming trees. Lines do not verify a place
+///
+/// Loop closure and the pose graph of the paper come with a map:
+///   static RgbdInertialVio<Pinhole<float>, 640 * 480, NoClock, KeyframeMap<200>> vio{rig, {}};  docs/math/map.md
 ///
 /// In this composition, not in the paper:
 ///   - points are landmarks: inverse range in the anchor keyframe, observed by pixel and inverse depth with sigmas
@@ -39,14 +42,15 @@
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"
+#include "plumbline/map/no_map.hpp"
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/rgbd.hpp"
 #include "plumbline/sensor/rig.hpp"
 
 namespace plumbline {
 
-template <CameraModel Camera, std::size_t MaxPixels = 752 * 480, Clock TimeSource = NoClock>
-using RgbdInertialVio =
-    Estimator<Rig<Rgbd<Camera, MaxPixels>, Imu>, Features<Points<400>, Lines<100>>, SlidingWindow<10>, TimeSource>;
+template <CameraModel Camera, std::size_t MaxPixels = 752 * 480, Clock TimeSource = NoClock, class MapPolicy = NoMap>
+using RgbdInertialVio = Estimator<Rig<Rgbd<Camera, MaxPixels>, Imu>, Features<Points<400>, Lines<100>>,
+                                  SlidingWindow<10>, TimeSource, MapPolicy>;
 
 }  // namespace plumbline

@@ -38,17 +38,20 @@
 #include "plumbline/camera/camera_model.hpp"
 #include "plumbline/estimator/clock.hpp"
 #include "plumbline/estimator/estimator.hpp"
+#include "plumbline/estimator/executor.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"
+#include "plumbline/map/no_map.hpp"
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/mono.hpp"
 #include "plumbline/sensor/rig.hpp"
 
 namespace plumbline {
 
-template <CameraModel Camera, std::size_t MaxPixels = 752 * 480, Clock TimeSource = NoClock>
-using SemiDirectVio =
-    Estimator<Rig<Mono<Camera, MaxPixels>, Imu>, Features<Points<400>, Lines<100>>, DirectGaussNewton<>, TimeSource>;
+template <CameraModel Camera, std::size_t MaxPixels = 752 * 480, Clock TimeSource = NoClock, class MapPolicy = NoMap,
+          Executor ExecutorPolicy = SynchronousExecutor>
+using SemiDirectVio = Estimator<Rig<Mono<Camera, MaxPixels>, Imu>, Features<Points<400>, Lines<100>>,
+                                DirectGaussNewton<>, TimeSource, MapPolicy, ExecutorPolicy>;
 
 }  // namespace plumbline
