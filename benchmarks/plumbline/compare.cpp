@@ -22,6 +22,7 @@
 #include "compare_run.hpp"
 #include "compare_table.hpp"
 #include "machine.hpp"
+#include "misuse.hpp"
 #include "page.hpp"
 #include "plumbline/io/output_file.hpp"
 #include "plumbline/io/text.hpp"
@@ -46,7 +47,7 @@ struct Shard {
     const auto parts =
         slash == text.npos ? std::nullopt : io::parse<std::size_t>(std::string_view(text).substr(slash + 1));
     if (!part || !parts || *part < 1 || *part > *parts)
-      throw std::runtime_error("--shard must be I/N with I from 1 to N, not " + text);
+      throw Misuse("--shard must be I/N with I from 1 to N, not " + text);
     index = *part;
     count = *parts;
   }
@@ -62,7 +63,7 @@ void check_outputs(const CompareOptions& options) {
     if (file->empty() || fs::is_directory(*file) || access(folder.c_str(), W_OK) != 0)
       throw std::runtime_error(file->string() + ": cannot be written");
     if (!files.insert(fs::weakly_canonical(fs::absolute(*file))).second)
-      throw std::runtime_error(file->string() + ": more than one output of that name");
+      throw Misuse(file->string() + ": more than one output of that name");
   }
 }
 
@@ -151,7 +152,7 @@ bool run_all(const std::vector<CompareJob>& jobs, const CompareParts& parts, con
 
 int run_merge(const CompareOptions& options) {
   if (!options.configs.empty() || !options.datasets.empty())
-    throw std::runtime_error("--merge takes files of comparisons, no --config and no --dataset");
+    throw Misuse("--merge takes files of comparisons, no --config and no --dataset");
   const json comparison = merge_comparisons(options.merge);
   const std::size_t runs = comparison.at("runs").size(), planned = planned_runs(comparison);
   if (runs < planned) std::fprintf(stderr, "%zu of %zu runs: shards are missing\n", runs, planned);
@@ -169,8 +170,8 @@ int run_merge(const CompareOptions& options) {
 
 void require_complete(const CompareOptions& options) {
   if (options.configs.empty() || options.datasets.empty() || !options.json)
-    throw std::runtime_error("compare needs --config, --dataset and --json, or --merge");
-  if (!(options.limit_s > 0)) throw std::runtime_error("--limit must be a time of more than 0 s");
+    throw Misuse("compare needs --config, --dataset and --json, or --merge");
+  if (!(options.limit_s > 0)) throw Misuse("--limit must be a time of more than 0 s");
 }
 
 }  // namespace
@@ -181,6 +182,7 @@ int run_compare(const CompareOptions& options) {
   require_complete(options);
   const Shard shard(options.shard);
   const ComparePlan plan(options);
+  print_notes(plan.notes);
   for (const std::string& line : plan.left_out) std::fprintf(stderr, "%s\n", line.c_str());
   std::vector<CompareJob> jobs;
   for (std::size_t i = 0; i < plan.jobs.size(); ++i)

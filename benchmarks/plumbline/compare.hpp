@@ -9,9 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "recording_options.hpp"
+
 struct CompareOptions {
   std::vector<std::string> configs;             ///< names, or patterns of the shell
   std::vector<std::filesystem::path> datasets;  ///< folders of recordings with truth
+  RecordingOptions inputs;                      ///< of all recordings
   std::vector<std::filesystem::path> merge;     ///< files of comparisons, instead of running any
   std::optional<std::filesystem::path> json, report, markdown;
   std::string shard = "1/1";  ///< which part of the runs, of how many
@@ -19,7 +22,8 @@ struct CompareOptions {
   std::size_t processes = 0;  ///< side by side; 0: as many as there are cores
   double start_s = 0;
   double duration_s = std::numeric_limits<double>::infinity();
-  double limit_s = 600;  ///< of one run
+  double limit_s = 600;   ///< of one run
+  bool with_map = false;  ///< poses are those in the map
 };
 
 /// Prints a table; returns the exit status. Throws std::runtime_error.

@@ -73,12 +73,14 @@ void add_plans(json& all, const json& others) {
     if (std::find(all.begin(), all.end(), plan) == all.end()) all.push_back(plan);
 }
 
-using Place = std::tuple<std::size_t, std::size_t, std::size_t>;
+bool has_map(const json& run) { return run.value("with_map", false); }
+
+using Place = std::tuple<std::size_t, std::size_t, bool, std::size_t>;
 
 Place place_of(const json& run, const std::map<std::string, std::size_t>& configurations,
                const std::map<std::string, std::size_t>& datasets) {
   return {configurations.at(run.at("configuration").get<std::string>()),
-          datasets.at(run.at("dataset").get<std::string>()), run.at("repeat").get<std::size_t>()};
+          datasets.at(run.at("dataset").get<std::string>()), has_map(run), run.at("repeat").get<std::size_t>()};
 }
 
 void require_each_once(const json& comparison, const std::filesystem::path& file) {
@@ -104,7 +106,8 @@ void merge_into(json& all, const json& other, const std::filesystem::path& file)
 }
 
 bool same_group(const json& a, const json& b) {
-  return a.at("configuration") == b.at("configuration") && a.at("dataset") == b.at("dataset");
+  return a.at("configuration") == b.at("configuration") && a.at("dataset") == b.at("dataset") &&
+         has_map(a) == has_map(b);
 }
 
 /// Of repeats.

@@ -9,7 +9,10 @@
 
 #include "compare_json.hpp"
 #include "format.hpp"
+#include "misuse.hpp"
 #include "plumbline/io/recording.hpp"
+#include "plumbline/io/text.hpp"
+#include "unused_sensors.hpp"
 
 namespace pl = plumbline;
 namespace io = plumbline::io;
@@ -40,20 +43,24 @@ std::vector<const Configuration*> configurations_named(const std::vector<std::st
       matches = true;
       if (!is_known(out, configuration)) out.push_back(&configuration);
     }
-    if (!matches) throw std::runtime_error("no configuration matches \"" + name + "\", see plumbline list");
+    if (!matches) throw Misuse("no configuration matches \"" + name + "\", see plumbline list");
   }
   return out;
 }
 
-/// Names, sizes and times of all files.
-std::string content_of(const fs::path& directory) {
+/// Names, sizes and times of all files of a folder, or of those that are read with a bag.
+std::string content_of(const fs::path& directory, const io::Recording& recording, const TopicOptions& topics) {
   std::map<std::string, std::string> files;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(directory)) {
-    if (!entry.is_regular_file()) continue;
+  const auto add = [&](const fs::directory_entry& entry) {
+    if (!entry.is_regular_file()) return;
     const auto ticks = static_cast<long long>(entry.last_write_time().time_since_epoch().count());
     files[entry.path().string()] = std::to_string(entry.file_size()) + " " + std::to_string(ticks);
-  }
-  std::string text;
+  };
+  if (recording.files().bag.empty())
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(directory)) add(entry);
+  else
+    for (const fs::path& file : recording.inputs()) add(fs::directory_entry(file));
+  std::string text = topics.image + " " + topics.depth + " " + topics.imu + " " + topics.camera_info + "\n";
   for (const auto& [name, state] : files) text.append(name).append(" ").append(state).append("\n");
   return fingerprint(text);
 }
@@ -74,12 +81,29 @@ nlohmann::json json_of_truth(const io::Recording& recording, const std::vector<p
   return series.json();
 }
 
-CompareDataset open_dataset(const fs::path& given, const CompareOptions& options) {
+/// The texts of the files that are read beside the recording, and the options with them.
+std::string content_of(const RecordingOptions& inputs) {
+  std::string text;
+  for (const auto& file : {inputs.calibration, inputs.imu_calibration})
+    text += (file ? io::read_text(*file) : std::string()) + '\n';
+  return fingerprint(text + format("%.9g %.9g", inputs.depth_scale, inputs.time_offset_s.value_or(NAN)));
+}
+
+CompareDataset open_dataset(const fs::path& given, const CompareOptions& options, std::vector<std::string>& notes) {
   const fs::path directory = fs::weakly_canonical(given);
-  const io::Recording recording = io::Recording::open(directory);
+  const io::Recording recording = options.inputs.open(directory);
+  notes.insert(notes.end(), recording.notes().begin(), recording.notes().end());
+  for (const std::string& line : unusable_sensors(recording)) notes.push_back(line);
   const pl::TimeNs begin_ns = recording.frames().front().t_ns;
-  CompareDataset out{
-      directory, directory.filename().string(), recording.has_depth(), recording.has_imu(), begin_ns, {}, {}, {}};
+  CompareDataset out{directory,
+                     directory.filename().string(),
+                     recording.has_depth(),
+                     recording.has_imu(),
+                     begin_ns,
+                     {},
+                     {},
+                     options.inputs,
+                     {}};
   for (const io::FrameSample& frame : recording.frames()) {
     const double t_s = pl::seconds_between(begin_ns, frame.t_ns);
     if (t_s >= options.start_s && t_s <= options.start_s + options.duration_s) out.frames.push_back(frame.t_ns);
@@ -88,7 +112,7 @@ CompareDataset open_dataset(const fs::path& given, const CompareOptions& options
     throw std::runtime_error(format("%s: %zu frames in the part asked for, too few for %zu repeats", given.c_str(),
                                     out.frames.size(), options.repeats));
   if (!recording.groundtruth()) throw std::runtime_error(given.string() + " has no true trajectory to compare with");
-  out.content = content_of(directory);
+  out.content = content_of(directory, recording, options.inputs.topics) + " " + content_of(options.inputs);
   const double duration_s = pl::seconds_between(out.frames.front(), out.frames.back());
   const io::CameraCalibration& camera = recording.calibration().camera;
   out.json = {{"name", out.name},
@@ -115,18 +139,22 @@ std::string lacks(const Configuration& configuration, const CompareDataset& data
                            datasets.front().name + " lacks " + lacks(configuration, datasets.front()));
 }
 
-CompareJob job_of(const Configuration& configuration, const CompareDataset& dataset, std::size_t repeat) {
+CompareJob job_of(const Configuration& configuration, const CompareDataset& dataset, std::size_t repeat,
+                  bool with_map) {
   constexpr double margin_s = 1e-6;  // the last frame is in, whatever is rounded
   const pl::TimeNs first_ns = dataset.frames[repeat];
-  return {&configuration, &dataset, repeat, pl::seconds_between(dataset.begin_ns, first_ns),
-          pl::seconds_between(first_ns, dataset.frames.back()) + margin_s};
+  return {&configuration,
+          &dataset,
+          repeat,
+          pl::seconds_between(dataset.begin_ns, first_ns),
+          pl::seconds_between(first_ns, dataset.frames.back()) + margin_s,
+          with_map};
 }
 
 void check(const CompareOptions& options) {
-  if (!(options.start_s >= 0) || !std::isfinite(options.start_s))
-    throw std::runtime_error("--start must be a time of 0 s or more");
-  if (!(options.duration_s > 0)) throw std::runtime_error("--duration must be a time of more than 0 s");
-  if (options.repeats == 0) throw std::runtime_error("--repeat must be 1 or more");
+  if (!(options.start_s >= 0) || !std::isfinite(options.start_s)) throw Misuse("--start must be a time of 0 s or more");
+  if (!(options.duration_s > 0)) throw Misuse("--duration must be a time of more than 0 s");
+  if (options.repeats == 0) throw Misuse("--repeat must be 1 or more");
 }
 
 }  // namespace
@@ -134,11 +162,11 @@ void check(const CompareOptions& options) {
 ComparePlan::ComparePlan(const CompareOptions& options) : configurations(configurations_named(options.configs)) {
   check(options);
   for (const fs::path& directory : options.datasets) {
-    CompareDataset dataset = open_dataset(directory, options);
+    CompareDataset dataset = open_dataset(directory, options, notes);
     for (const CompareDataset& other : datasets)
       if (other.name == dataset.name)
-        throw std::runtime_error("two recordings are called " + dataset.name + ": " + other.directory.string() +
-                                 " and " + dataset.directory.string());
+        throw Misuse("two recordings are called " + dataset.name + ": " + other.directory.string() + " and " +
+                     dataset.directory.string());
     datasets.push_back(std::move(dataset));
   }
 
@@ -162,7 +190,7 @@ ComparePlan::ComparePlan(const CompareOptions& options) : configurations(configu
     for (const CompareDataset& dataset : datasets) {
       if (!lacks(*configuration, dataset).empty()) continue;
       for (std::size_t repeat = 0; repeat < options.repeats; ++repeat)
-        jobs.push_back(job_of(*configuration, dataset, repeat));
+        jobs.push_back(job_of(*configuration, dataset, repeat, options.with_map));
     }
   }
   if (jobs.empty()) throw_unserved(*configurations.front(), datasets);

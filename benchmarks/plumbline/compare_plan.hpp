@@ -13,12 +13,13 @@
 #include "runner.hpp"
 
 struct CompareDataset {
-  std::filesystem::path directory;
+  std::filesystem::path directory;        ///< or a bag
   std::string name;                       ///< of the folder
   bool has_depth, has_imu;                ///< that can be used
   plumbline::TimeNs begin_ns;             ///< of the whole recording
   std::vector<plumbline::TimeNs> frames;  ///< of the part that is asked for
-  std::string content;                    ///< changes when a file of the recording does
+  std::string content;                    ///< changes when a file of the recording does, or its calibration
+  RecordingOptions inputs;                ///< how it is read
   nlohmann::json json;                    ///< as docs/compare.schema.json has it
 };
 
@@ -27,6 +28,7 @@ struct CompareJob {
   const CompareDataset* dataset;
   std::size_t repeat;  ///< begins at this frame
   double begin_s, duration_s;
+  bool with_map = false;
 
   std::size_t frames() const { return dataset->frames.size() - repeat; }
 };
@@ -36,6 +38,7 @@ struct ComparePlan {
   std::vector<CompareDataset> datasets;
   std::vector<CompareJob> jobs;       ///< point to the data sets
   std::vector<std::string> left_out;  ///< a line for each data set that some configurations cannot use
+  std::vector<std::string> notes;     ///< what is said of the recordings, one line each
 
   explicit ComparePlan(const CompareOptions& options);  ///< throws std::runtime_error
   ComparePlan(const ComparePlan&) = delete;

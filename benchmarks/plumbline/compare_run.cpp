@@ -5,9 +5,13 @@
 #include <cmath>
 #include <ctime>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <memory>
+#include <numeric>
+#include <optional>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -15,7 +19,9 @@
 #include <opencv2/core/utility.hpp>
 
 #include "compare_json.hpp"
+#include "final_trajectory.hpp"
 #include "images.hpp"
+#include "map_json.hpp"
 #include "plumbline/io/recording.hpp"
 #include "plumbline/io/trajectory_evaluation.hpp"
 #include "plumbline/opencv/image_file.hpp"
@@ -31,23 +37,34 @@ constexpr double max_difference_s = 0.02;  // between a pose and its truth
 /// What is kept of the frames, one number of each.
 struct FrameSeries {
   std::vector<double> t, track_ms, estimate_ms, map_ms, total_ms, health, points, lines;
+  std::vector<double> learn_ms, query_ms, verify_ms, solve_ms;  ///< of the map
 
-  nlohmann::json json() const {
-    return {
+  nlohmann::json json(bool with_map) const {
+    nlohmann::json out = {
         {"t", rounded(t, 4)},           {"track_ms", rounded(track_ms, 3)}, {"estimate_ms", rounded(estimate_ms, 3)},
         {"map_ms", rounded(map_ms, 3)}, {"total_ms", rounded(total_ms, 3)}, {"health", rounded(health, 0)},
         {"points", rounded(points, 0)}, {"lines", rounded(lines, 0)}};
+    if (!with_map) return out;
+    for (const auto& [name, ms] : map_stages()) out["map_" + name + "_ms"] = rounded(*ms, 3);
+    return out;
+  }
+  /// Of the map, with their names.
+  std::array<std::pair<std::string, const std::vector<double>*>, 4> map_stages() const {
+    return {{{"learn", &learn_ms}, {"query", &query_ms}, {"verify", &verify_ms}, {"solve", &solve_ms}}};
   }
 };
 
 /// The output of a run, before it is evaluated.
 struct Observed {
   FrameSeries frames;
-  io::Trajectory poses;
+  io::Trajectory poses, world_poses;     ///< the same in the map, and in the world
   std::vector<double> times_ms, cpu_ms;  ///< of the frames with an estimate
   std::array<std::size_t, 4> health{};   ///< frames in each state
   std::uint32_t resets = 0;
-  std::map<std::pair<int, std::uint32_t>, MapFeature> map;  ///< as each feature was last known
+  /// As each feature was last known, in the map.
+  std::map<std::pair<int, std::uint32_t>, MapFeature> map;
+  std::optional<MapSummary> summary;  ///< nothing without a map
+  io::MapContents contents;           ///< the same
 };
 
 /// Nothing where a file is damaged: the run continues with the next frame.
@@ -78,6 +95,11 @@ void add(Observed& observed, double t_s, const std::optional<FrameOutput>& outpu
   if (is_used) observed.times_ms.push_back(ms(&pl::FrameTiming::total));
   const FeatureCounts seen = runner.seen();
   FrameSeries& frames = observed.frames;
+  const auto map_ms = [&](auto stage) { return is_used ? 1e3 * std::invoke(stage, output->map_timing) : std::nan(""); };
+  frames.learn_ms.push_back(map_ms(&MapTiming::learn));
+  frames.query_ms.push_back(map_ms(&MapTiming::query));
+  frames.verify_ms.push_back(map_ms(&MapTiming::verify));
+  frames.solve_ms.push_back(map_ms(&MapTiming::solve));
   frames.t.push_back(t_s);
   frames.track_ms.push_back(ms(&pl::FrameTiming::track));
   frames.estimate_ms.push_back(ms(&pl::FrameTiming::estimate));
@@ -115,19 +137,26 @@ Observed observe(const CompareJob& job, io::Recording& recording, Runner& runner
     if (!output.refused) out.cpu_ms.push_back(cpu_time_ms() - begin_ms);
     add(out, t_s, output, runner);
     if (!output.has_sound_pose()) continue;
-    out.poses.push_back({output.pose_ns(), output.estimate.T_world_body});
+    out.poses.push_back({output.pose_ns(), output.T_map_body()});
+    out.world_poses.push_back({output.pose_ns(), output.estimate.T_world_body});
     if (!output.estimate.keyframe) continue;
-    for (const MapFeature& feature : runner.map()) out.map.insert_or_assign({feature.kind, feature.id}, feature);
+    for (MapFeature feature : runner.map()) {
+      feature.start = output.S_map_world * feature.start;
+      feature.end = output.S_map_world * feature.end;
+      out.map.insert_or_assign({feature.kind, feature.id}, feature);
+    }
   }
+  out.summary = runner.map_summary();
+  if (out.summary) out.contents = io::map_of_bytes(runner.saved_map(), "map");
   return out;
 }
 
-/// Every n-th of the features, so that at most so many remain.
-nlohmann::json json_of_map(const Observed& observed, const pl::Sim3<double>& S_truth_world) {
+/// Every n-th of the features, so that at most so many remain; points of the map where there is one.
+nlohmann::json json_of_features(const Observed& observed, const pl::Sim3<double>& S_truth_map) {
   constexpr std::size_t max_points = 3000, max_segments = 800;
   std::vector<std::vector<double>> points, segments;
   for (const auto& [id, feature] : observed.map) {
-    const pl::Vec<double, 3> p = S_truth_world * feature.start, q = S_truth_world * feature.end;
+    const pl::Vec<double, 3> p = S_truth_map * feature.start, q = S_truth_map * feature.end;
     if (feature.is_line)
       segments.push_back({p.x(), p.y(), p.z(), q.x(), q.y(), q.z()});
     else
@@ -138,7 +167,9 @@ nlohmann::json json_of_map(const Observed& observed, const pl::Sim3<double>& S_t
     for (std::size_t i = 0, step = all.size() / max + 1; i < all.size(); i += step) out.push_back(rounded(all[i], 3));
     return out;
   };
-  return {{"points", thinned(points, max_points)}, {"segments", thinned(segments, max_segments)}};
+  return {{"points",
+           observed.summary ? json_of_points(observed.contents, max_points, S_truth_map) : thinned(points, max_points)},
+          {"segments", thinned(segments, max_segments)}};
 }
 
 /// Positions of the camera in the world of the truth, and the error of what was estimated.
@@ -179,13 +210,20 @@ void judge(const CompareJob& job, const io::Recording& recording, const Observed
   else
     run["scale_error"] = rounded(result.scale - 1, 6);
   const io::Statistics& ate = result.ape.translation;
-  run["ate"] = {{"rmse", rounded(ate.rmse, 6)}, {"median", rounded(ate.median, 6)}, {"max", rounded(ate.max, 6)}};
+  const auto json_of_ate = [](const io::Statistics& errors) -> nlohmann::json {
+    return {{"rmse", rounded(errors.rmse, 6)}, {"median", rounded(errors.median, 6)}, {"max", rounded(errors.max, 6)}};
+  };
+  run["ate"] = json_of_ate(ate);
+  if (observed.summary) {
+    const io::Trajectory poses = final_trajectory(observed.world_poses, observed.summary->corrections);
+    run["ate_final"] = json_of_ate(io::evaluate_trajectory(truth, poses, settings).ape.translation);
+  }
   if (result.rpe.translation.count > 0)
     run["rpe_1s"] = {{"translation_rmse", rounded(result.rpe.translation.rmse, 6)},
                      {"rotation_rmse_deg", rounded(result.rpe.rotation_deg.rmse, 5)}};
   run["trajectory"] = json_of_trajectory(result, truth, needs, job, recording);
   const auto S = io::align(io::associate(truth, observed.poses, max_difference_s), settings.alignment);
-  run["map"] = json_of_map(observed, S.value());
+  run["map"] = json_of_features(observed, S.value());
   run["status"] = "ok";
 }
 
@@ -197,6 +235,7 @@ nlohmann::json json_of(const CompareJob& job) {
   return {{"configuration", job.configuration->name},
           {"dataset", job.dataset->name},
           {"repeat", job.repeat},
+          {"with_map", job.with_map},
           {"first_frame", job.repeat},
           {"status", "failed"},
           {"error", ""},
@@ -217,9 +256,8 @@ nlohmann::json json_of(const CompareJob& job) {
 
 CompareRun run_compared(const CompareJob& job) {
   cv::setNumThreads(1);  // decoding must not disturb the runs beside this one
-  io::Recording recording = io::Recording::open(
-      job.dataset->directory, {.calibration = std::nullopt, .start_s = job.begin_s, .duration_s = job.duration_s});
-  const std::unique_ptr<Runner> runner = job.configuration->make(recording.calibration());
+  io::Recording recording = job.dataset->inputs.open(job.dataset->directory, job.begin_s, job.duration_s);
+  const std::unique_ptr<Runner> runner = job.configuration->make(recording.calibration(), job.with_map);
   const Observed observed = observe(job, recording, *runner);
 
   CompareRun out{json_of(job), runner->bytes()};
@@ -235,7 +273,16 @@ CompareRun run_compared(const CompareJob& job) {
                     {"p99", rounded(percentile(observed.times_ms, 0.99), 3)},
                     {"max", rounded(percentile(observed.times_ms, 1), 3)},
                     {"cpu_median", rounded(median(observed.cpu_ms), 3)}};
-  run["frame_series"] = observed.frames.json();
+  if (observed.summary) {
+    run["map_counts"] = json_of_counts(*observed.summary);
+    for (const auto& [name, ms] : observed.frames.map_stages()) {
+      std::vector<double> known;
+      std::copy_if(ms->begin(), ms->end(), std::back_inserter(known), [](double each) { return !std::isnan(each); });
+      const double mean = known.empty() ? std::nan("") : std::reduce(known.begin(), known.end()) / double(known.size());
+      run["time_ms"]["map"][name] = {{"mean", rounded(mean, 4)}, {"max", rounded(percentile(known, 1), 3)}};
+    }
+  }
+  run["frame_series"] = observed.frames.json(job.with_map);
   if (observed.poses.empty()) {
     run["error"] = "no pose in " + std::to_string(observed.frames.t.size()) + " frames";
     return out;

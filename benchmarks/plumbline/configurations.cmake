@@ -19,7 +19,8 @@ set(plumbline_backends
   "window = pl::SlidingWindow<10>"
   "direct = pl::DirectGaussNewton<>")
 
-# Published systems by their names.
+# Published systems by their names; those with `+ map` always have a map.
 set(plumbline_systems
   "semi-direct-vio   = mono-imu/points+lines/direct"
-  "rgbd-inertial-vio = rgbd-imu/points+lines/window")
+  "rgbd-inertial-vio = rgbd-imu/points+lines/window"
+  "lap-slam          = mono/points+collinear/window + map")

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "format.hpp"
+#include "map_json.hpp"
 #include "page.hpp"
 #include "plumbline/io/output_file.hpp"
 
@@ -62,6 +63,21 @@ Json trajectory_of(const pl::io::Trajectory& trajectory, const SecondsSince& sec
   return out;
 }
 
+Json map_of(const DebugMap& map, const SecondsSince& seconds) {
+  Json out = json_of_map(map.contents);
+  out["counts"] = json_of_counts(map.summary);
+  out["odometry"] = trajectory_of(map.odometry, seconds);
+  out["causal"] = trajectory_of(map.causal, seconds);
+  out["final"] = trajectory_of(map.final, seconds);
+  out["truth"] = trajectory_of(map.truth, seconds);
+  out["relocalizations"] = trajectory_of(map.relocalizations, seconds);
+  out["ate_m"] = nullptr;
+  if (map.ate_m.size() == 3)
+    out["ate_m"] = {
+        {"odometry", number(map.ate_m[0])}, {"causal", number(map.ate_m[1])}, {"final", number(map.ate_m[2])}};
+  return out;
+}
+
 }  // namespace
 
 void write_debug_page(const std::filesystem::path& html, const DebugPage& page) {
@@ -74,6 +90,7 @@ void write_debug_page(const std::filesystem::path& html, const DebugPage& page) 
   data["errors"] = errors_of(page.errors, seconds);
   data["trajectory"] = trajectory_of(page.estimate, seconds);
   data["truth"] = trajectory_of(page.truth, seconds);
+  data["map"] = page.map ? map_of(*page.map, seconds) : Json();
   data["pictures"] = Json::array();
   for (const DebugPage::Picture& picture : page.pictures)
     data["pictures"].push_back({{"row", picture.row}, {"file", picture.file}});

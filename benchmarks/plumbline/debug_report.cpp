@@ -9,9 +9,11 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "final_trajectory.hpp"
 #include "format.hpp"
 #include "frame_picture.hpp"
 #include "plot.hpp"
+#include "plumbline/io/trajectory_evaluation.hpp"
 #include "plumbline/lie/plus.hpp"
 #include "statistics.hpp"
 
@@ -73,6 +75,12 @@ void DebugReport::add(std::size_t number, pl::TimeNs t_ns, const cv::Mat& gray, 
   add_row(number, t_ns, output, inspection, marks);
   if (output.has_sound_pose())
     poses_.push_back({output.pose_ns(), output.estimate.T_world_body, output.estimate.covariance});
+  if (output.has_sound_pose() && output.is_in_map) {
+    if (!first_correction_) first_correction_ = output.S_map_world;
+    in_map_.push_back({output.pose_ns(), output.T_map_body()});
+    if (output.map_counts.relocalizations > relocalized_) relocalizations_.push_back(in_map_.back());
+    relocalized_ = output.map_counts.relocalizations;
+  }
   if (!output.refused) before_ = inspection;
   if (number % options_.every != 0) return;
   std::vector<Mark> all;
@@ -144,6 +152,10 @@ void DebugReport::add_row(std::size_t number, pl::TimeNs t_ns, const FrameOutput
   frames_.set("estimate_ms", 1e3 * output.timing.estimate);
   frames_.set("map_ms", 1e3 * output.timing.map);
   frames_.set("total_ms", 1e3 * output.timing.total);
+  frames_.set("map_learn_ms", 1e3 * output.map_timing.learn);
+  frames_.set("map_query_ms", 1e3 * output.map_timing.query);
+  frames_.set("map_verify_ms", 1e3 * output.map_timing.verify);
+  frames_.set("map_solve_ms", 1e3 * output.map_timing.solve);
   frames_.end_row();
 }
 
@@ -170,7 +182,38 @@ void DebugReport::add_inertial(const InertialInspection& inertial) {
   frames_.set("start_scale_sigma", until_done(start.scale_sigma));
 }
 
-void DebugReport::finish(const std::string& summary) {
+DebugMap DebugReport::map_of_run(const MapSummary& map, const pl::io::MapContents& contents,
+                                 const pl::io::Trajectory& estimate, const pl::io::Trajectory& truth) const {
+  const auto in_map = [&](const pl::io::Trajectory& poses) {
+    const pl::Sim3<double> S = first_correction_.value_or(pl::Sim3<double>());
+    pl::io::Trajectory out;
+    for (const pl::io::StampedPose& pose : poses) out.push_back({pose.t_ns, pl::io::aligned(S, pose.T_world_body)});
+    return out;
+  };
+  DebugMap out{map,
+               contents,
+               in_map(estimate),
+               in_map_,
+               final_trajectory(estimate, map.corrections),
+               in_map(truth),
+               relocalizations_,
+               {}};
+  if (truth_.empty()) return out;
+  const pl::io::Alignment alignment = has_imu_                   ? pl::io::Alignment::posyaw
+                                      : contents.header.dim == 6 ? pl::io::Alignment::se3
+                                                                 : pl::io::Alignment::sim3;
+  for (const pl::io::Trajectory* poses : {&out.odometry, &out.causal, &out.final}) {
+    try {
+      out.ate_m.push_back(pl::io::evaluate_trajectory(truth_, *poses, {.alignment = alignment}).ape.translation.rmse);
+    } catch (const std::runtime_error&) {
+      out.ate_m.push_back(unknown);  // too few poses with a truth
+    }
+  }
+  return out;
+}
+
+void DebugReport::finish(const std::string& summary, const std::optional<MapSummary>& map,
+                         const pl::io::MapContents& contents) {
   frames_.close();
   if (times_.empty()) return;
   std::vector<TruthError> errors;
@@ -193,8 +236,11 @@ void DebugReport::finish(const std::string& summary) {
     }
     draw_trajectories(options_.directory / "trajectory.png", truth, estimate, title_);
   }
+  std::optional<DebugMap> run_map;
+  if (map) run_map = map_of_run(*map, contents, estimate, truth);
   write_debug_page(options_.directory / "report.html",
-                   {title_, text, frames_, times_, health_, pictures_, kinds_, has_imu_, errors, estimate, truth});
+                   {title_, text, frames_, times_, health_, pictures_, kinds_, has_imu_, errors, estimate, truth,
+                    run_map ? &*run_map : nullptr});
 }
 
 void DebugReport::write_errors(const std::vector<TruthError>& errors) const {

@@ -38,10 +38,13 @@ class DebugReport {
   void add(std::size_t number, plumbline::TimeNs t_ns, const cv::Mat& gray, const FrameOutput& output,
            const Inspection& inspection);
 
-  /// The files about the whole run. `summary`: text for the page.
-  void finish(const std::string& summary);
+  /// The files about the whole run. `summary`: text for the page; `map`: nothing without one.
+  void finish(const std::string& summary, const std::optional<MapSummary>& map,
+              const plumbline::io::MapContents& contents);
 
  private:
+  DebugMap map_of_run(const MapSummary& map, const plumbline::io::MapContents& contents,
+                      const plumbline::io::Trajectory& estimate, const plumbline::io::Trajectory& truth) const;
   void add_row(std::size_t number, plumbline::TimeNs t_ns, const FrameOutput& output, const Inspection& now,
                const std::vector<std::vector<Mark>>& marks);
   void add_inertial(const InertialInspection& inertial);
@@ -58,4 +61,7 @@ class DebugReport {
   bool has_imu_ = false;
   std::vector<std::string> kinds_;
   std::optional<Inspection> before_;
+  plumbline::io::Trajectory in_map_, relocalizations_;
+  int relocalized_ = 0;
+  std::optional<plumbline::Sim3<double>> first_correction_;  // of the poses in the map
 };

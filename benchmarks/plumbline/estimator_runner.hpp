@@ -1,7 +1,6 @@
 #pragma once
 /// The Runner of one estimator type.
 
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -15,12 +14,7 @@
 #include "plumbline/io/make_camera.hpp"
 #include "plumbline/opencv/mat_view.hpp"
 #include "runner.hpp"
-
-struct SteadyClock {
-  static double now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-  }
-};
+#include "steady_clock.hpp"
 
 /// The sensors as the calibration describes them; it must describe all that the type has.
 template <class Sensors>
@@ -55,10 +49,13 @@ class EstimatorRunner final : public Runner {
  public:
   using S = typename Estimator::S;
 
-  explicit EstimatorRunner(const Sensors& sensors) : estimator_(std::make_unique<Estimator>(sensors)) {}
+  EstimatorRunner(const Sensors& sensors, MapChoice map)
+      : estimator_(std::make_unique<Estimator>(sensors, typename Estimator::Options{}, options_of(map))) {}
 
-  void add_imu(const plumbline::ImuSample& sample) override {
-    if constexpr (Sensors::has_imu) (void)estimator_->add_imu(sample);  // it counts what it refuses
+  std::optional<plumbline::Error> add_imu([[maybe_unused]] const plumbline::ImuSample& sample) override {
+    if constexpr (Sensors::has_imu)
+      if (const auto accepted = estimator_->add_imu(sample); !accepted) return accepted.error();
+    return std::nullopt;
   }
 
   FrameOutput add_frame(plumbline::TimeNs t_ns, const cv::Mat& gray, const cv::Mat& depth) override {
@@ -68,7 +65,13 @@ class EstimatorRunner final : public Runner {
     if constexpr (Sensors::has_depth) frame.depth = plumbline::opencv::view<std::uint16_t>(depth);
     previous_ns_ = estimator_->latest().t_ns;
     const plumbline::Result<plumbline::Estimate<S>> estimate = estimator_->add_frame(frame);
-    FrameOutput out{to_double(estimator_->latest()), std::nullopt, {}, estimator_->init_report()};
+    FrameOutput out{to_double(estimator_->latest()), std::nullopt, {}, estimator_->init_report(), {}, {}, {}};
+    out.S_map_world = estimator_->map().S_map_world().template cast<double>();
+    if (const auto* map = estimator_->map().get()) {
+      out.is_in_map = map->is_in_map();
+      out.map_counts = map->counts();
+    }
+    out.map_timing = estimator_->map().take_timing();
     out.is_uncertain = out.estimate.health.reason == plumbline::HealthReason::scale_uncertain &&
                        out.start.stage != plumbline::InitStage::done;
     if (estimate)
@@ -117,6 +120,37 @@ class EstimatorRunner final : public Runner {
     return features;
   }
 
+  plumbline::MapArchiveError load_map(std::span<const std::byte> bytes) override {
+    return estimator_->map().get()->load(bytes);
+  }
+
+  std::vector<std::byte> saved_map() override {
+    std::vector<std::byte> bytes;
+    estimator_->hand_over_keyframes();
+    estimator_->map().get()->save(
+        [&](std::span<const std::byte> part) { bytes.insert(bytes.end(), part.begin(), part.end()); });
+    return bytes;
+  }
+
+  std::optional<MapSummary> map_summary() const override {
+    const auto* map = estimator_->map().get();
+    if (!map) return std::nullopt;
+    MapSummary out{map->counts(), map->places().size(), {}, {}};
+    for (int k = map->loaded(); k < map->places().size(); ++k) {
+      const auto& keyframe = map->places().keyframe(k);
+      const auto S_map_world =
+          plumbline::Sim3<S>(map->places().graph().pose(k)) * plumbline::Sim3<S>(keyframe.T_world_body).inverse();
+      out.corrections.push_back({keyframe.t_ns, keyframe.world, S_map_world.template cast<double>()});
+    }
+    const auto& graph = map->places().graph();
+    for (int l = 0; l < graph.loops(); ++l) {
+      const auto& loop = graph.loop(l);
+      out.loops.push_back({map->places().keyframe(loop.i).t_ns, map->places().keyframe(loop.j).t_ns,
+                           plumbline::Sim3<S>(loop.edge.residual.measured).template cast<double>()});
+    }
+    return out;
+  }
+
   FeatureCounts seen() const override {
     FeatureCounts out;
     estimator_->landmarks().for_each([&](const auto& store) {
@@ -130,6 +164,12 @@ class EstimatorRunner final : public Runner {
   Inspection inspect() const override { return ::inspect(*estimator_, previous_ns_); }
 
  private:
+  static typename Estimator::MapOptions options_of(MapChoice map) {
+    typename Estimator::MapOptions options{.is_used = map.is_used, .map = {}};
+    options.map.localize_only = map.localize_only;
+    return options;
+  }
+
   template <class Store>
   static constexpr bool are_lines = std::is_same_v<typename Store::Kind::Place, plumbline::LineSegment>;
 

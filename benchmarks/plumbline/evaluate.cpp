@@ -1,6 +1,5 @@
 #include "evaluate.hpp"
 
-#include <cmath>
 #include <cstdio>
 #include <optional>
 #include <set>
@@ -8,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "evaluation_figures.hpp"
 #include "format.hpp"
 #include "output_check.hpp"
 #include "plot.hpp"
@@ -20,24 +20,6 @@ namespace io = plumbline::io;
 
 namespace {
 
-io::EvaluationSettings settings_of(const EvaluateOptions& options) {
-  const std::optional<io::Alignment> alignment = io::alignment_named(options.align);
-  if (!alignment) throw std::runtime_error("--align is none, se3, sim3 or posyaw, not " + options.align);
-  const std::optional<io::DeltaUnit> unit = io::delta_unit_named(options.rpe_unit);
-  if (!unit) throw std::runtime_error("the unit of the relative error is s, frames or m, not " + options.rpe_unit);
-  if (!(options.rpe_delta > 0) ||
-      (*unit == io::DeltaUnit::frames && options.rpe_delta != std::floor(options.rpe_delta)))
-    throw std::runtime_error("the step of the relative error must be positive, and whole for frames");
-  if (!(options.max_difference_s >= 0)) throw std::runtime_error("the largest time difference must not be negative");
-  return {*alignment, options.max_difference_s, options.rpe_delta, *unit};
-}
-
-nlohmann::ordered_json json_of(const io::Statistics& s) {
-  if (s.count == 0) return nullptr;
-  return {{"rmse", s.rmse}, {"mean", s.mean}, {"median", s.median}, {"std", s.std},
-          {"min", s.min},   {"max", s.max},   {"count", s.count}};
-}
-
 /// An estimate and how it compares.
 struct Judged {
   std::filesystem::path file;
@@ -47,22 +29,11 @@ struct Judged {
 };
 
 nlohmann::ordered_json json_of(const EvaluateOptions& options, const Judged& judged) {
-  const io::Evaluation& result = judged.result;
   nlohmann::ordered_json out;
   out["reference"] = io::printable(options.reference.string());
   out["estimate"] = io::printable(judged.file.string());
   out["alignment"] = options.align;
-  out["poses"] = result.poses;
-  out["pairs"] = result.pairs;
-  out["unpaired"] = judged.unpaired();
-  out["coverage"] = result.coverage;
-  out["path_length_m"] = result.path_length_m;
-  out["scale"] = result.scale;  // NaN becomes null
-  out["ape"] = {{"translation_m", json_of(result.ape.translation)}, {"rotation_deg", json_of(result.ape.rotation_deg)}};
-  out["rpe"] = {{"delta", options.rpe_delta},
-                {"unit", options.rpe_unit},
-                {"translation_m", json_of(result.rpe.translation)},
-                {"rotation_deg", json_of(result.rpe.rotation_deg)}};
+  out.update(::json_of(judged.result, options.rpe_delta, options.rpe_unit));
   return out;
 }
 
@@ -169,7 +140,8 @@ void draw(const EvaluateOptions& options, const io::Trajectory& reference, const
 }  // namespace
 
 int run_evaluate(const EvaluateOptions& options) {
-  const io::EvaluationSettings settings = settings_of(options);
+  const io::EvaluationSettings settings =
+      evaluation_settings(options.align, options.max_difference_s, options.rpe_delta, options.rpe_unit);
   check_pictures(options);
   const io::Trajectory reference = read_reference(options);
   std::vector<Judged> all;

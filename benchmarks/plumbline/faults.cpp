@@ -13,6 +13,7 @@
 #include "compare_json.hpp"
 #include "faults_table.hpp"
 #include "format.hpp"
+#include "misuse.hpp"
 #include "nearest.hpp"
 #include "trial.hpp"
 
@@ -243,11 +244,13 @@ std::string command_of(const FaultOptions& options) {
   words.insert(words.end(), options.configs.begin(), options.configs.end());
   words.emplace_back("--dataset");
   for (const auto& dataset : options.datasets) words.push_back(name_of_recording(dataset));
+  for (const std::string& word : options.inputs.words()) words.push_back(word);
   if (!options.kinds.empty()) words.emplace_back("--fault");
   words.insert(words.end(), options.kinds.begin(), options.kinds.end());
   words.emplace_back("--for");
   for (const double duration_s : options.durations_s) words.push_back(format("%g", duration_s));
   words.insert(words.end(), {"--times", std::to_string(options.times)});
+  if (options.with_map) words.emplace_back("--map");
   return command_line(words);
 }
 
@@ -263,15 +266,16 @@ std::vector<std::string> fault_names() {
 int run_faults(const FaultOptions& options) {
   const std::vector<std::string> known = fault_names();
   for (const std::string& name : options.kinds)
-    if (std::find(known.begin(), known.end(), name) == known.end())
-      throw std::runtime_error(unknown_name("fault", name, known));
+    if (std::find(known.begin(), known.end(), name) == known.end()) throw Misuse(unknown_name("fault", name, known));
   check_results(options.results);
   json result = result_of("faults", command_of(options), options.results);
   result["groups"] = json::array();
   for (const std::string& name : options.configs) {
     const Configuration& configuration = configuration_named(name);
     for (const auto& dataset : options.datasets) {
-      LoadedRecording recording = load_recording(dataset, configuration.needs);
+      LoadedRecording recording = load_recording(dataset, configuration, options.inputs);
+      print_notes(recording.notes);
+      recording.with_map = options.with_map;
       recording.name = name_of_recording(dataset);
       result["groups"].push_back(run_faults(configuration, recording, options));
     }

@@ -6,7 +6,6 @@
 #include <opencv2/core.hpp>
 
 #include "format.hpp"
-#include "plumbline/opencv/image_file.hpp"
 #include "plumbline/sensor/depth_sensor.hpp"
 #include "recording_check.hpp"
 
@@ -61,6 +60,7 @@ struct Depths {
   int read = 0;
   double measured = 0;           // part of the pixels, summed
   std::vector<double> raw = {};  // the median of each image
+  std::string unreadable = {};   // why the first one that cannot be read cannot
 };
 
 void look_at_depth(const cv::Mat& depth, Depths& depths) {
@@ -88,6 +88,8 @@ void check_depths(const io::Recording& recording, const Depths& depths, std::vec
   if (2 * static_cast<std::size_t>(with_depth) < recording.frame_count())
     findings.push_back({false, file + format("%td of %zu images have a depth image within 20 ms, expected all",
                                              with_depth, recording.frame_count())});
+  if (depths.read == 0 && !depths.unreadable.empty())
+    findings.push_back({true, file + "no depth image looked at can be used: " + depths.unreadable});
   if (depths.read == 0) return;
   if (depths.raw.empty()) {
     findings.push_back({true, file + format("none of %d depth images looked at has a measurement", depths.read)});
@@ -119,10 +121,15 @@ std::vector<Finding> check_images(const io::Recording& recording, const Needs& n
   Depths depths;
   for (const io::FrameSample& frame : some_of(recording.frames())) {
     try {
-      look_at(pl::opencv::read_gray(frame.image), look);
-      if (needs.depth && frame.depth) look_at_depth(pl::opencv::read_depth(*frame.depth), depths);
+      look_at(io::read_gray(frame), look);
     } catch (const std::runtime_error&) {
       continue;
+    }
+    if (!needs.depth || !frame.depth) continue;
+    try {
+      look_at_depth(io::read_depth(frame), depths);
+    } catch (const std::runtime_error& error) {
+      if (depths.unreadable.empty()) depths.unreadable = error.what();
     }
   }
   std::vector<Finding> findings;

@@ -87,6 +87,43 @@ void check_rates(const std::string& file, const Samples& samples, std::vector<Fi
                                     usual)});
 }
 
+/// Noise of one sample: the 10th percentile over quarters of a second of sqrt(|a - 2 b + c|^2 / 18), of one axis.
+/// Vibration makes it larger, a filter of the sensor smaller.
+double quiet_sigma(const Samples& samples, ImuVector pl::ImuSample::*sensor) {
+  std::vector<double> sigmas;
+  double squares = 0;
+  int n = 0;
+  pl::TimeNs begin_ns = samples.front().t_ns;
+  for (std::size_t i = 2; i < samples.size(); ++i) {
+    const ImuVector difference = samples[i].*sensor - 2 * (samples[i - 1].*sensor) + samples[i - 2].*sensor;
+    squares += difference.squaredNorm();
+    ++n;
+    if (pl::seconds_between(begin_ns, samples[i].t_ns) < 0.25) continue;
+    sigmas.push_back(std::sqrt(squares / (18 * n)));
+    squares = n = 0;
+    begin_ns = samples[i].t_ns;
+  }
+  return sigmas.empty() ? 0 : percentile(sigmas, 0.1);
+}
+
+/// Densities far above what the samples show are those of another program, or of one sample.
+void check_stated_noise(const std::string& file, const io::Recording& recording, const Samples& samples,
+                        std::vector<Finding>& findings) {
+  constexpr double most = 10;
+  const double duration_s = pl::seconds_between(samples.front().t_ns, samples.back().t_ns);
+  const double root_rate = std::sqrt(static_cast<double>(samples.size() - 1) / duration_s);
+  const auto check = [&](const char* what, double density, double sigma) {
+    if (!(sigma > 0) || density * root_rate < most * sigma) return;
+    findings.push_back(
+        {false, file + format("the samples of the %s are %.0f times quieter than the stated noise density "
+                              "%g: is that the noise of one sample (divide by the root of the rate)?",
+                              what, density * root_rate / sigma, density)});
+  };
+  check("gyroscope", recording.calibration().imu->gyro_density, quiet_sigma(samples, &pl::ImuSample::gyro));
+  if (recording.files().held_accel.rate_hz > 0) return;
+  check("accelerometer", recording.calibration().imu->accel_density, quiet_sigma(samples, &pl::ImuSample::accel));
+}
+
 }  // namespace
 
 std::vector<Finding> check_imu_samples(const io::Recording& recording) {
@@ -98,5 +135,6 @@ std::vector<Finding> check_imu_samples(const io::Recording& recording) {
   const std::string file = recording.files().imu_index->string() + ": ";
   check_gravity(file, samples, findings);
   check_rates(file, samples, findings);
+  if (findings.empty() && recording.calibration().imu) check_stated_noise(file, recording, samples, findings);
   return findings;
 }

@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "misuse.hpp"
+
 namespace fs = std::filesystem;
 
 namespace {
@@ -28,12 +30,12 @@ void check_outputs(const std::vector<NamedOutput>& outputs, const std::vector<fs
     if (is_special(output.file)) continue;
     for (std::size_t k = 0; k < i; ++k)
       if (are_same(output.file, outputs[k].file))
-        throw std::runtime_error(output.file.string() + ": both " + outputs[k].option + " and " + output.option +
-                                 " name this file");
+        throw Misuse(output.file.string() + ": both " + outputs[k].option + " and " + output.option +
+                     " name this file");
     std::error_code error;
     if (!fs::exists(output.file, error)) continue;
     for (const fs::path& input : inputs)
       if (are_same(output.file, input))
-        throw std::runtime_error(output.file.string() + ": " + output.option + " would overwrite what is read");
+        throw Misuse(output.file.string() + ": " + output.option + " would overwrite what is read");
   }
 }

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "axis.hpp"
+#include "misuse.hpp"
 #include "plumbline/io/output_file.hpp"
 
 namespace io = plumbline::io;
@@ -168,7 +169,7 @@ void save(const std::filesystem::path& file, const cv::Mat& drawn) {
 void require_picture_name(const std::filesystem::path& file) {
   const std::string extension = file.extension().string();
   if (extension != ".png" && extension != ".jpg")
-    throw std::runtime_error(file.string() + ": a picture's name must end with .png or .jpg");
+    throw Misuse(file.string() + ": a picture's name must end with .png or .jpg");
 }
 
 void draw_trajectories(const std::filesystem::path& file, const io::Trajectory& reference,

@@ -15,11 +15,13 @@
 #include "faults_table.hpp"
 #include "machine.hpp"
 #include "memory.hpp"
+#include "misuse.hpp"
 #include "nearest.hpp"
 #include "output_check.hpp"
 #include "plumbline/io/output_file.hpp"
 #include "plumbline/io/printable.hpp"
 #include "plumbline/io/text.hpp"
+#include "relocalizations_table.hpp"
 #include "starts_table.hpp"
 #include "table_cells.hpp"
 
@@ -36,12 +38,13 @@ struct ResultTable {
 };
 
 /// The first one of a kind is its own without a template.
-constexpr std::array<ResultTable, 6> result_tables{{
+constexpr std::array<ResultTable, 7> result_tables{{
     {"comparison", "comparison", "comparison", print_markdown},
     {"accuracy", "comparison", "comparison", print_accuracy},
     {"timing", "comparison", "comparison", print_timing},
     {"initialization", "initialization", "groups", print_initialization},
     {"faults", "faults", "groups", print_faults},
+    {"relocalizations", "relocalizations", "groups", print_relocalizations},
     {"memory", "memory", "configurations", print_memory},
 }};
 
@@ -237,7 +240,7 @@ int run_table(const TableOptions& options) {
     std::vector<json> results;
     for (const fs::path& file : options.files) results.push_back(read_result(file, options));
     if (options.outputs.json) {
-      if (results.size() != 1) throw std::runtime_error("--json takes the results of one file");
+      if (results.size() != 1) throw Misuse("--json takes the results of one file");
       write_results({options.outputs.json, std::nullopt, {}}, results.front());
     }
     std::ostringstream text;

@@ -10,6 +10,7 @@
 #include "format.hpp"
 #include "images.hpp"
 #include "interrupt.hpp"
+#include "plumbline/io/map_file.hpp"
 #include "plumbline/io/printable.hpp"
 #include "plumbline/io/recording.hpp"
 #include "plumbline/opencv/image_file.hpp"
@@ -17,6 +18,7 @@
 #include "recording_check.hpp"
 #include "run_tally.hpp"
 #include "runner.hpp"
+#include "unused_sensors.hpp"
 
 namespace pl = plumbline;
 
@@ -27,16 +29,6 @@ void require_calibrated_size(const pl::io::FrameSample& frame, const Images& ima
                              const pl::io::CameraCalibration& camera) {
   pl::opencv::require_resolution(images.gray, camera.width, camera.height, frame.image);
   if (!images.depth.empty()) pl::opencv::require_resolution(images.depth, camera.width, camera.height, *frame.depth);
-}
-
-void require_sensors(const Configuration& configuration, const pl::io::Recording& recording,
-                     const std::filesystem::path& dataset) {
-  if (configuration.needs.depth && !recording.has_depth())
-    throw std::runtime_error(dataset.string() + ": " + configuration.name +
-                             " needs depth images and the calibration's depth scale");
-  if (configuration.needs.imu && !recording.has_imu())
-    throw std::runtime_error(dataset.string() + ": " + configuration.name +
-                             " needs IMU samples, their noise and T_body_camera");
 }
 
 /// Prints all findings; throws the last error among them, unless the recording is used unchecked.
@@ -56,9 +48,16 @@ void require_plausible(const pl::io::Recording& recording, const Needs& needs, b
   if (!error.empty()) throw std::runtime_error(error);
 }
 
+void load_map(const std::filesystem::path& file, Runner& runner) {
+  const std::vector<std::byte> bytes = pl::io::read_map_bytes(file);
+  if (const pl::MapArchiveError error = runner.load_map(bytes); error != pl::MapArchiveError::none)
+    throw pl::io::ReadError(file, 0, pl::name_of(error));
+}
+
 std::vector<std::filesystem::path> inputs_of(const pl::io::Recording& recording, const RunOptions& options) {
   std::vector<std::filesystem::path> inputs = recording.inputs();
   if (options.debug.reference) inputs.push_back(*options.debug.reference);
+  if (options.loaded_map && options.loaded_map != options.files.map) inputs.push_back(*options.loaded_map);
   return inputs;
 }
 
@@ -72,26 +71,39 @@ std::optional<DebugReport> open_debug(const RunOptions& options, const Configura
                                          std::string(configuration.name) + " on " + options.dataset.string(), truth);
 }
 
+std::string summary_of(const MapSummary& map) {
+  const pl::KeyframeMapCounts& n = map.counts;
+  return format(
+      "map: %d keyframes (%d evicted), %d places recognized of %d queries, %d loops, %d relocalizations, "
+      "%d corrections; refused: %d by the odometry, %d by gravity, "
+      "%d as ambiguous; %d points found again, %d local adjustments",
+      map.keyframes, n.evicted, n.verified, n.queries, n.loops, n.relocalizations, n.corrections, n.rejected_by_gate,
+      n.rejected_by_tilt, n.rejected_as_ambiguous, n.recalled, n.adjustments);
+}
+
 }  // namespace
 
 int run_configuration(const RunOptions& options) {
   const Configuration* named = options.config.empty() ? nullptr : &configuration_named(options.config);
-  pl::io::Recording recording = pl::io::Recording::open(
-      options.dataset,
-      {.calibration = options.calibration, .start_s = options.start_s, .duration_s = options.duration_s});
+  pl::io::Recording recording = options.inputs.open(options.dataset, options.start_s, options.duration_s);
   const Configuration& configuration = named ? *named : recommended_for({recording.has_depth(), recording.has_imu()});
   require_sensors(configuration, recording, options.dataset);
 
   const Interruptible interruptible;
   RunFiles files(options.files, inputs_of(recording, options));
   require_plausible(recording, configuration.needs, options.is_unchecked);
-  if (!named) std::fprintf(stderr, "configuration: %s\n", configuration.name);
+  print_notes(recording.notes());
+  print_notes(unused_sensors(recording, configuration));
+  if (!named) std::fprintf(stderr, "configuration: %s\n", why_recommended(configuration, recording).c_str());
   std::optional<DebugReport> debug = open_debug(options, configuration, recording);
 
-  const std::unique_ptr<Runner> runner = configuration.make(recording.calibration());
+  const bool with_map = options.with_map || options.loaded_map || options.files.map;
+  const std::unique_ptr<Runner> runner = configuration.make(recording.calibration(), {with_map, options.localize_only});
+  if (options.loaded_map) load_map(*options.loaded_map, *runner);
   RunTally tally;
   Progress progress(configuration.name, recording.frame_count());
   pl::io::Recording::Sample sample;
+  bool found_map = !options.loaded_map;
   for (; recording.next(sample, runner->time_offset_s()); progress.show(tally.read())) {
     if (const pl::ImuSample* imu = std::get_if<pl::ImuSample>(&sample)) {
       if (configuration.needs.imu) runner->add_imu(*imu);
@@ -112,6 +124,7 @@ int run_configuration(const RunOptions& options) {
     if (tally.is_first()) require_calibrated_size(frame, images, recording.calibration().camera);
     const FrameOutput output = runner->add_frame(frame.t_ns, images.gray, images.depth);
     const bool is_in_trajectory = options.all_poses ? output.has_pose() : output.has_sound_pose();
+    found_map = found_map || (is_in_trajectory && output.is_in_map);
     tally.add(output, is_in_trajectory);
     if (output.refused) progress.note("refused: " + frame.image.string() + ": " + name_of(*output.refused));
     if (is_in_trajectory) files.add_pose(output.pose_ns(), output);
@@ -119,20 +132,36 @@ int run_configuration(const RunOptions& options) {
     if (files.has_states()) files.add_state(frame.t_ns, output, runner->inspect());
     if (debug) debug->add(tally.read() - 1, frame.t_ns, images.gray, output, runner->inspect());
   }
-  if (debug) debug->finish(tally.summary());
+  const std::string wrong = found_wrong(recording.calibration(), runner->inspect());
+  if (files.has_landmarks()) files.add_landmarks(runner->landmarks());
+  const std::optional<MapSummary> map = runner->map_summary();
+  std::vector<std::byte> saved;
+  if (map && (debug || files.has_map())) saved = runner->saved_map();
+  if (debug)
+    debug->finish(tally.summary() + (map ? '\n' + summary_of(*map) : ""), map,
+                  map ? pl::io::map_of_bytes(saved, "map") : pl::io::MapContents());
   const std::string why =
       options.dataset.string() + ": " + tally.why_no_pose() +
-      (debug ? "; see " + (options.debug.directory / "report.html").string() : "; --debug DIR shows each of them");
-  const std::string wrong = found_wrong(recording.calibration(), runner->inspect());
+      (debug ? "; see " + (options.debug.directory / "report.html").string()
+             : "; --debug DIR shows each of them, plumbline doctor DIR what is wrong with the recording");
   if (tally.poses() == 0) {
     std::fputs(wrong.c_str(), stdout);
     files.commit_tables();
     throw std::runtime_error(why);
   }
-  if (files.has_landmarks()) files.add_landmarks(runner->landmarks());
+  files.add_final(map ? map->corrections : std::vector<MapCorrection>());
+  files.add_loops(map ? map->loops : std::vector<MapLoop>());
+  if (files.has_map()) files.add_map(saved);
   files.commit_all();
+  if (!found_map)
+    print_notes(
+        {options.loaded_map->string() +
+         ": no place of the map was recognized, and no pose is written in it; --trajectory-world has the poses in "
+         "the run's own world"});
   if (tally.is_mostly_without()) progress.note("plumbline: warning: " + why);
   std::puts(tally.summary().c_str());
+  if (!options.files.trajectory) std::puts("no trajectory is written (--trajectory FILE)");
+  if (map) std::puts(summary_of(*map).c_str());
   if (options.files.timing) std::fputs(tally.times().c_str(), stdout);
   std::fputs(wrong.c_str(), stdout);
   return 0;

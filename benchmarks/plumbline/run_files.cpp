@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <string>
 
+#include "final_trajectory.hpp"
 #include "format.hpp"
 #include "output_check.hpp"
 
@@ -13,14 +14,17 @@ namespace pl = plumbline;
 
 namespace {
 
-/// The name, after the check of all of them.
-const fs::path& checked(const RunPaths& paths, const std::vector<fs::path>& inputs) {
-  std::vector<NamedOutput> outputs{{"--trajectory", paths.trajectory}};
+void check_paths(const RunPaths& paths, const std::vector<fs::path>& inputs) {
+  std::vector<NamedOutput> outputs;
+  if (paths.trajectory) outputs.push_back({"--trajectory", *paths.trajectory});
   if (paths.timing) outputs.push_back({"--timing", *paths.timing});
   if (paths.states) outputs.push_back({"--states", *paths.states});
+  if (paths.world) outputs.push_back({"--trajectory-world", *paths.world});
+  if (paths.final) outputs.push_back({"--trajectory-final", *paths.final});
   if (paths.landmarks) outputs.push_back({"--landmarks", *paths.landmarks});
+  if (paths.loops) outputs.push_back({"--loops", *paths.loops});
+  if (paths.map) outputs.push_back({"--save-map", *paths.map});
   check_outputs(outputs, inputs);
-  return paths.trajectory;
 }
 
 const char* reason_of(const FrameOutput& output) {
@@ -50,13 +54,20 @@ std::string cells(bool known, const Vector& values) {
 
 }  // namespace
 
-RunFiles::RunFiles(const RunPaths& paths, const std::vector<fs::path>& inputs) : trajectory_(checked(paths, inputs)) {
+RunFiles::RunFiles(const RunPaths& paths, const std::vector<fs::path>& inputs) {
+  check_paths(paths, inputs);
+  if (paths.trajectory) trajectory_.emplace(*paths.trajectory);
+  if (paths.world) world_.emplace(*paths.world);
+  if (paths.final) final_.emplace(*paths.final);
   if (paths.timing) timing_.emplace(*paths.timing);
   if (paths.states) states_.emplace(*paths.states);
   if (paths.landmarks) landmarks_.emplace(*paths.landmarks);
+  if (paths.loops) loops_.emplace(*paths.loops);
+  if (paths.map) map_.emplace(*paths.map);
   if (timing_) {
-    timing_->stream() << "timestamp_ns,track_ms,estimate_ms,map_ms,total_ms,health,reason,sigma_position_m,"
-                         "sigma_rotation_deg,pyramid_ms,align_ms,follow_ms\n";
+    timing_->stream()
+        << "timestamp_ns,track_ms,estimate_ms,map_ms,total_ms,health,reason,sigma_position_m,"
+           "sigma_rotation_deg,pyramid_ms,align_ms,follow_ms,map_learn_ms,map_query_ms,map_verify_ms,map_solve_ms\n";
   }
   if (states_) states_->stream() << state_header();
 }
@@ -74,6 +85,8 @@ void RunFiles::add_timing(pl::TimeNs t_ns, const FrameOutput& output) {
     row += ",,";
   }
   row += format(",%.4f,%.4f,%.4f", 1e3 * timing.pyramid, 1e3 * timing.align, 1e3 * timing.follow);
+  const MapTiming& map = output.map_timing;
+  row += format(",%.4f,%.4f,%.4f,%.4f", 1e3 * map.learn, 1e3 * map.query, 1e3 * map.verify, 1e3 * map.solve);
   timing_->stream() << row << '\n';
 }
 
@@ -110,6 +123,25 @@ void RunFiles::add_landmarks(const std::vector<pl::Vec<double, 3>>& points) {
   for (const pl::Vec<double, 3>& p : points) out << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
 }
 
+void RunFiles::add_map(const std::vector<std::byte>& bytes) {
+  map_->stream().write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+}
+
+void RunFiles::add_loops(const std::vector<MapLoop>& loops) {
+  if (!loops_) return;
+  loops_->stream() << "timestamp_i_ns,timestamp_j_ns,p_x,p_y,p_z,q_x,q_y,q_z,q_w,scale\n";
+  for (const MapLoop& loop : loops) {
+    loops_->stream() << format("%lld,%lld", static_cast<long long>(loop.i_ns), static_cast<long long>(loop.j_ns))
+                     << cells(true, loop.S_i_j.t()) << cells(true, loop.S_i_j.rotation().quaternion().coeffs())
+                     << format(",%.9g\n", loop.S_i_j.scale());
+  }
+}
+
+void RunFiles::add_final(const std::vector<MapCorrection>& corrections) {
+  if (!final_) return;
+  for (const auto& pose : final_trajectory(poses_, corrections)) final_->add(pose);
+}
+
 void RunFiles::commit_tables() {
   for (auto* file : {&timing_, &states_})
     if (*file) (*file)->complete();
@@ -118,9 +150,13 @@ void RunFiles::commit_tables() {
 }
 
 void RunFiles::commit_all() {
-  trajectory_.complete();
-  if (landmarks_) landmarks_->complete();
+  for (auto* file : {&trajectory_, &world_, &final_})
+    if (*file) (*file)->complete();
+  for (auto* file : {&landmarks_, &loops_, &map_})
+    if (*file) (*file)->complete();
   commit_tables();
-  if (landmarks_) landmarks_->commit();
-  trajectory_.commit();
+  for (auto* file : {&landmarks_, &loops_, &map_})
+    if (*file) (*file)->commit();
+  for (auto* file : {&world_, &final_, &trajectory_})
+    if (*file) (*file)->commit();
 }

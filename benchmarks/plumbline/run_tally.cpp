@@ -76,7 +76,10 @@ void RunTally::add(const FrameOutput& output, bool is_in_trajectory) {
     ++by_health_[static_cast<std::size_t>(output.health())];
     resets_ = std::max(resets_, output.estimate.resets);
   }
-  if (output.has_sound_pose()) return sound_.push_back(output.timing);
+  if (output.has_sound_pose()) {
+    map_.push_back(output.map_timing);
+    return sound_.push_back(output.timing);
+  }
   ++without_;
   Reason& reason = reasons_[explanation_of(output)];
   ++reason.frames;
@@ -98,19 +101,24 @@ std::string RunTally::summary() const {
 std::string RunTally::times() const {
   std::string out = format("%-32s%8s%8s%8s%8s\n", format("%zu frames with a pose [ms]", sound_.size()).c_str(), "mean",
                            "median", "99 %", "longest");
-  const auto add = [&](const char* name, auto stage) {
+  const auto add = [&](const char* name, auto stage, const auto& frames) {
     std::vector<double> ms;
-    for (const pl::FrameTiming& timing : sound_) ms.push_back(1e3 * std::invoke(stage, timing));
+    for (const auto& timing : frames) ms.push_back(1e3 * std::invoke(stage, timing));
     const double mean = std::reduce(ms.begin(), ms.end()) / static_cast<double>(ms.size());
     out += format("  %-30s%8.2f%8.2f%8.2f%8.2f\n", name, mean, median(ms), percentile(ms, 0.99), percentile(ms, 1));
   };
   using pl::FrameTiming;
-  add("pyramid", &FrameTiming::pyramid);
-  add("alignment of the image", &FrameTiming::align);
-  add("alignment of features", &FrameTiming::follow);
-  add("pose", &FrameTiming::estimate);
-  add("map, keyframes", &FrameTiming::map);
-  add("whole frame", &FrameTiming::total);
+  add("pyramid", &FrameTiming::pyramid, sound_);
+  add("alignment of the image", &FrameTiming::align, sound_);
+  add("alignment of features", &FrameTiming::follow, sound_);
+  add("pose", &FrameTiming::estimate, sound_);
+  add("map, keyframes", &FrameTiming::map, sound_);
+  add("whole frame", &FrameTiming::total, sound_);
+  if (std::all_of(map_.begin(), map_.end(), [](const MapTiming& timing) { return timing.total() == 0; })) return out;
+  add("keyframe map: learn", &MapTiming::learn, map_);
+  add("keyframe map: query", &MapTiming::query, map_);
+  add("keyframe map: verify", &MapTiming::verify, map_);
+  add("keyframe map: solve", &MapTiming::solve, map_);
   return out;
 }
 

@@ -40,6 +40,7 @@ class RunTally {
   std::uint32_t resets_ = 0;
   std::vector<double> total_ms_;
   std::vector<plumbline::FrameTiming> sound_;  // of the frames with a sound pose
+  std::vector<MapTiming> map_;                 // of the same
   std::map<std::string, Reason> reasons_;      // of frames without a sound pose
 };
 

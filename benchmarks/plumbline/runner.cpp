@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "misuse.hpp"
 #include "nearest.hpp"
 
 const Configuration& configuration_named(const std::string& name) {
@@ -12,7 +13,7 @@ const Configuration& configuration_named(const std::string& name) {
     if (name == configuration.name) return configuration;
     known.push_back(configuration.name);
   }
-  throw std::runtime_error(unknown_name("configuration", name, known));
+  throw Misuse(unknown_name("configuration", name, known));
 }
 
 const Configuration& recommended_for(const Needs& there) {

@@ -8,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "format.hpp"
+#include "misuse.hpp"
 #include "nearest.hpp"
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/camera/radtan.hpp"
@@ -269,7 +270,7 @@ ImuQuality imu_quality(const std::string& name) {
   for (const ImuSet& set : imu_sets) {
     if (name == set.name) return set.quality;
   }
-  throw std::runtime_error(unknown_name("IMU", name, imu_names()));
+  throw Misuse(unknown_name("IMU", name, imu_names()));
 }
 
 }  // namespace
@@ -288,16 +289,18 @@ std::vector<std::string> layout_names() { return {"tum", "euroc"}; }
 int run_simulate(const SimulateOptions& options) {
   const std::optional<Scene> scene = make_scene(options.scene, options.seed);
   std::optional<Trajectory> trajectory = Trajectory::for_scene(options.scene, options.seed);
-  if (!scene || !trajectory) throw std::runtime_error(unknown_name("scene", options.scene, ::scene_names()));
+  if (!scene || !trajectory) throw Misuse(unknown_name("scene", options.scene, ::scene_names()));
   if (options.layout != "tum" && options.layout != "euroc")
-    throw std::runtime_error(unknown_name("layout", options.layout, layout_names()));
+    throw Misuse(unknown_name("layout", options.layout, layout_names()));
   if (options.stop_s.size() == 2 && !(options.stop_s[0] < options.stop_s[1]))
-    throw std::runtime_error(format("--stop %g %g: ends before it begins", options.stop_s[0], options.stop_s[1]));
+    throw Misuse(format("--stop %g %g: ends before it begins", options.stop_s[0], options.stop_s[1]));
   if (options.stop_s.size() == 2) trajectory->stop(options.stop_s[0], options.stop_s[1]);
   const ImuQuality imu = imu_quality(options.imu);
   constexpr double longest_s = 3600;
-  if (!(options.duration_s >= 1.0 / camera_rate_hz && options.duration_s <= longest_s)) {
-    throw std::runtime_error(format("duration %g s: must be between one frame and one hour", options.duration_s));
+  double duration_s = options.laps > 0 ? trajectory->end_of_lap_s(options.laps) : options.duration_s;
+  if (options.laps > 0 && options.stop_s.size() == 2) duration_s += options.stop_s[1] - options.stop_s[0];
+  if (!(duration_s >= 1.0 / camera_rate_hz && duration_s <= longest_s)) {
+    throw Misuse(format("duration %g s: must be between one frame and one hour", duration_s));
   }
   if (fs::exists(options.out) && !(fs::is_directory(options.out) && fs::is_empty(options.out))) {
     throw std::runtime_error(options.out.string() + ": exists and is not an empty folder");
@@ -305,7 +308,7 @@ int run_simulate(const SimulateOptions& options) {
   std::error_code error;
   fs::create_directories(options.out, error);
   if (error) throw std::runtime_error(options.out.string() + ": cannot be made: " + error.message());
-  const int frames = static_cast<int>(std::lround(options.duration_s * camera_rate_hz));
+  const int frames = static_cast<int>(std::lround(duration_s * camera_rate_hz));
   const Recording recording{options, *scene, *trajectory, imu, frames};
   options.layout == "tum" ? write_tum(recording) : write_euroc(recording);
   return 0;

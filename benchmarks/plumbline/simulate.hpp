@@ -11,6 +11,7 @@ struct SimulateOptions {
   std::filesystem::path out;    ///< folder to create; must not exist or be empty
   std::uint64_t seed = 1;       ///< of the surfaces, the motion and the noise
   double duration_s = 20;       ///< [s]; 20 frames each second
+  int laps = 0;                 ///< the recording ends when so many laps are complete; 0: after duration_s
   std::vector<double> stop_s;   ///< begin and end of a stop on the way [s]; empty: none
   double late_s = 0;            ///< stamps of the images come after the images [s]
   double readout_s = 0;         ///< the shutter rolls: between the first and the last row of an image [s]

@@ -115,7 +115,9 @@ std::string command_of(const StartOptions& options) {
   words.insert(words.end(), options.configs.begin(), options.configs.end());
   words.emplace_back("--dataset");
   for (const auto& dataset : options.datasets) words.push_back(name_of_recording(dataset));
+  for (const std::string& word : options.inputs.words()) words.push_back(word);
   words.insert(words.end(), {"--every", format("%g", options.every_s), "--duration", format("%g", options.duration_s)});
+  if (options.with_map) words.emplace_back("--map");
   return command_line(words);
 }
 
@@ -128,7 +130,9 @@ int run_starts(const StartOptions& options) {
   for (const std::string& name : options.configs) {
     const Configuration& configuration = configuration_named(name);
     for (const auto& dataset : options.datasets) {
-      LoadedRecording recording = load_recording(dataset, configuration.needs);
+      LoadedRecording recording = load_recording(dataset, configuration, options.inputs);
+      print_notes(recording.notes);
+      recording.with_map = options.with_map;
       recording.name = name_of_recording(dataset);
       result["groups"].push_back(run_starts(configuration, recording, options));
     }

@@ -41,7 +41,7 @@ struct InitializationSummary {
   }
 };
 
-double largest(const std::vector<double>& values) {
+double largest_of(const std::vector<double>& values) {
   return values.empty() ? std::nan("") : *std::max_element(values.begin(), values.end());
 }
 
@@ -50,13 +50,13 @@ std::string seconds(double value) {
 }
 
 std::string percents(const std::vector<double>& scales) {
-  return scales.empty() ? "-" : format("%.1f (%.1f) %%", 100 * median(scales), 100 * largest(scales));
+  return scales.empty() ? "-" : format("%.1f (%.1f) %%", 100 * median(scales), 100 * largest_of(scales));
 }
 
 void print_initialization_row(std::ostream& out, const json& group) {
   const InitializationSummary summary(group);
   out << "| `" << group.at("configuration").get<std::string>() << "` | " << seconds(median(summary.pose_s)) << " ("
-      << seconds(largest(summary.pose_s)) << ") | " << format("%zu of %zu | ", summary.in_time, summary.runs)
+      << seconds(largest_of(summary.pose_s)) << ") | " << format("%zu of %zu | ", summary.in_time, summary.runs)
       << format("%zu of %zu | ", summary.tracking, summary.runs) << percents(summary.scales) << " | "
       << percents(summary.last_scales) << " | " << summary.false_frames
       << (summary.false_frames > 0 ? " in " + counted(summary.false_runs, "run") : "") << " |\n";

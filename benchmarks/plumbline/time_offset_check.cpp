@@ -73,6 +73,23 @@ void check_rate(const std::filesystem::path& file, double rate, double stated, c
   }
 }
 
+/// Samples that come close together and then not for a while: their stamps are those of arrival.
+bool check_bursts(const std::filesystem::path& file, const std::vector<pl::TimeNs>& times, const char* what,
+                  std::vector<Finding>& findings) {
+  if (times.size() < 100) return false;
+  const double mean = static_cast<double>(times.size() - 1) / pl::seconds_between(times.front(), times.back());
+  const double inside = rate_of(times);
+  std::size_t bursts = 1;
+  for (std::size_t i = 1; i < times.size(); ++i) bursts += pl::seconds_between(times[i - 1], times[i]) > 2 / mean;
+  const double each = static_cast<double>(times.size()) / static_cast<double>(bursts);
+  if (!(inside > 3 * mean) || each < 3 || each > 1000) return false;
+  findings.push_back(
+      {true, name_of(file) + format("the %ss come in bursts of %.0f, %.3g ms apart, then not for %.3g ms: these are "
+                                    "stamps of arrival; stamp them by the sensor's clock, or evenly at %.4g Hz",
+                                    what, each, 1e3 / inside, 1e3 * each / mean - 1e3 * (each - 1) / inside, mean)});
+  return true;
+}
+
 /// The longest time without any of them.
 void check_gaps(const std::filesystem::path& file, const std::vector<pl::TimeNs>& times, const char* what,
                 double longest_s, std::vector<Finding>& findings) {
@@ -122,7 +139,7 @@ std::vector<Finding> check_time_offsets(const io::Recording& recording, const Ne
   }
   if (!needs.imu || !files.imu_index) return findings;
   const std::vector<pl::TimeNs> samples = io::times_of(recording.imu());
-  if (samples.size() > 1)
+  if (samples.size() > 1 && !check_bursts(*files.imu_index, samples, "IMU sample", findings))
     check_rate(*files.imu_index, rate_of(samples), recording.calibration().imu->rate_hz, sample_rates, files.layout,
                findings);
   const bool is_sound = std::none_of(findings.begin(), findings.end(), [](const Finding& f) { return f.is_error; });

@@ -5,23 +5,27 @@
 #include <limits>
 #include <stdexcept>
 
+#include "open_recording.hpp"
 #include "plumbline/io/printable.hpp"
 #include "plumbline/io/recording.hpp"
-#include "plumbline/opencv/image_file.hpp"
 #include "truth_comparison.hpp"
+#include "unused_sensors.hpp"
 
 namespace pl = plumbline;
 
-LoadedRecording load_recording(const std::filesystem::path& directory, const Needs& needs) {
-  pl::io::Recording recording = pl::io::Recording::open(directory);
+LoadedRecording load_recording(const std::filesystem::path& directory, const Configuration& configuration,
+                               const RecordingOptions& inputs) {
+  pl::io::Recording recording = inputs.open(directory);
+  const Needs& needs = configuration.needs;
+  require_sensors(configuration, recording, directory);
   const auto require = [&](bool there, const char* what) {
     if (!there) throw std::runtime_error(directory.string() + " has no " + what);
   };
-  require(!needs.depth || recording.has_depth(), "depth images with a scale");
-  require(!needs.imu || recording.has_imu(), "IMU samples with their noise and T_body_camera");
   const auto truth = recording.read_groundtruth(needs.imu);
   require(truth.has_value(), "true trajectory");
-  LoadedRecording out{pl::io::printable(directory.filename().string()), recording.calibration(), *truth, {}};
+  LoadedRecording out{
+      pl::io::printable(directory.filename().string()), recording.calibration(), *truth, {}, recording.notes()};
+  for (const std::string& line : unused_sensors(recording, configuration)) out.notes.push_back(line);
   pl::io::Recording::Sample sample;
   while (recording.next(sample)) {
     if (const auto* imu = std::get_if<pl::ImuSample>(&sample)) {
@@ -29,8 +33,8 @@ LoadedRecording load_recording(const std::filesystem::path& directory, const Nee
       continue;
     }
     const auto& frame = std::get<pl::io::FrameSample>(sample);
-    Picture picture{frame.t_ns, pl::opencv::read_gray(frame.image), {}};
-    if (needs.depth && frame.depth) picture.depth = pl::opencv::read_depth(*frame.depth);
+    Picture picture{frame.t_ns, pl::io::read_gray(frame), {}};
+    if (needs.depth && frame.depth) picture.depth = pl::io::read_depth(frame);
     out.events.emplace_back(picture);
   }
   require(recording.frame_count() > 0, "frames");
@@ -44,35 +48,36 @@ bool JudgedFrame::is_false() const {
   return estimate.health.state == pl::HealthState::tracking && (position_sigmas > limit || rotation_sigmas > limit);
 }
 
-Trial run_trial(const Configuration& configuration, const LoadedRecording& recording, pl::TimeNs begin_ns,
-                pl::TimeNs end_ns, const Spoil& spoil, const std::optional<pl::SO3<double>>& heading) {
-  const auto runner = configuration.make(recording.calibration);
-  std::vector<JudgedFrame> frames;
-  std::vector<EstimatedPose> poses;
-  const auto use = [&](const Picture& picture) {
-    const FrameOutput output = runner->add_frame(picture.t_ns, picture.gray, picture.depth);
-    if (output.refused) return;
-    frames.push_back({output.pose_ns(), output.estimate, std::nan(""), std::nan(""), std::nan("")});
-    if (output.has_sound_pose())
-      poses.push_back({output.pose_ns(), output.estimate.T_world_body, output.estimate.covariance});
-  };
+void run_events(Runner& runner, const LoadedRecording& recording, pl::TimeNs begin_ns, pl::TimeNs end_ns,
+                const Spoil& spoil, const std::function<void(const FrameOutput&)>& use) {
   std::deque<Picture> waiting;  // for IMU samples, where the time offset is positive
-  const auto use_until = [&](pl::TimeNs t_ns) {
-    for (; !waiting.empty(); waiting.pop_front()) {
-      if (waiting.front().t_ns + std::llround(1e9 * runner->time_offset_s()) > t_ns) return;
-      use(waiting.front());
-    }
+  const auto use_first = [&] {
+    const Picture& picture = waiting.front();
+    use(runner.add_frame(picture.t_ns, picture.gray, picture.depth));
+    waiting.pop_front();
   };
   for (Event event : recording.events) {
     const auto t_ns = std::visit([](const auto& e) { return e.t_ns; }, event);
     if (t_ns < begin_ns || t_ns > end_ns + 20'000'000 || !spoil(event)) continue;
     if (const auto* imu = std::get_if<pl::ImuSample>(&event))
-      runner->add_imu(*imu);
+      runner.add_imu(*imu);
     else if (t_ns <= end_ns)
       waiting.push_back(std::get<Picture>(event));
-    use_until(t_ns);
+    while (!waiting.empty() && waiting.front().t_ns + std::llround(1e9 * runner.time_offset_s()) <= t_ns) use_first();
   }
-  for (const Picture& picture : waiting) use(picture);
+  while (!waiting.empty()) use_first();
+}
+
+Trial run_trial(const Configuration& configuration, const LoadedRecording& recording, pl::TimeNs begin_ns,
+                pl::TimeNs end_ns, const Spoil& spoil, const std::optional<pl::SO3<double>>& heading) {
+  const auto runner = configuration.make(recording.calibration, recording.with_map);
+  std::vector<JudgedFrame> frames;
+  std::vector<EstimatedPose> poses;
+  run_events(*runner, recording, begin_ns, end_ns, spoil, [&](const FrameOutput& output) {
+    if (output.refused) return;
+    frames.push_back({output.pose_ns(), output.estimate, std::nan(""), std::nan(""), std::nan("")});
+    if (output.has_sound_pose()) poses.push_back({output.pose_ns(), output.T_map_body(), output.estimate.covariance});
+  });
   std::size_t next = 0;
   const TruthComparison comparison = compare_with_truth(recording.truth, poses, configuration.needs.imu, heading);
   for (const TruthError& each : comparison.errors) {

@@ -17,6 +17,7 @@
 #include "plumbline/io/calibration_data.hpp"
 #include "plumbline/io/trajectory.hpp"
 #include "plumbline/lie/so3.hpp"
+#include "recording_options.hpp"
 #include "runner.hpp"
 
 struct Picture {
@@ -30,11 +31,14 @@ struct LoadedRecording {
   plumbline::io::Calibration calibration;
   plumbline::io::Trajectory truth;             ///< of what a run estimates: body with an IMU, camera without
   std::vector<Event> events;                   ///< in order of time
+  std::vector<std::string> notes;              ///< what is said of its files and of sensors that are not used
   plumbline::TimeNs begin_ns = 0, end_ns = 0;  ///< first and last frame
+  bool with_map = false;                       ///< the estimator has a map, and poses are those in it
 };
 
 /// Throws std::runtime_error where the recording lacks what is needed, or truth.
-LoadedRecording load_recording(const std::filesystem::path& directory, const Needs& needs);
+LoadedRecording load_recording(const std::filesystem::path& directory, const Configuration& configuration,
+                               const RecordingOptions& inputs);
 
 /// Changes an event; false: it is left out.
 using Spoil = std::function<bool(Event&)>;
@@ -53,6 +57,11 @@ struct Trial {
   std::vector<JudgedFrame> frames;
   plumbline::SO3<double> heading;  ///< of the truth, see TruthComparison
 };
+
+/// Gives the events from begin_ns to end_ns to a runner, pictures once their IMU samples are there; `use` gets what
+/// comes of each picture.
+void run_events(Runner& runner, const LoadedRecording& recording, plumbline::TimeNs begin_ns, plumbline::TimeNs end_ns,
+                const Spoil& spoil, const std::function<void(const FrameOutput&)>& use);
 
 /// Runs the events from begin_ns to end_ns. `heading`: that of a run that went well; this one may go astray.
 Trial run_trial(const Configuration& configuration, const LoadedRecording& recording, plumbline::TimeNs begin_ns,

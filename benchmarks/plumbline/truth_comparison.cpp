@@ -14,21 +14,6 @@ namespace io = plumbline::io;
 
 namespace {
 
-std::optional<pl::SE3<double>> truth_at(const io::Trajectory& truth, pl::TimeNs t_ns) {
-  constexpr double max_gap_s = 0.1;
-  const auto after = std::lower_bound(truth.begin(), truth.end(), t_ns,
-                                      [](const io::StampedPose& pose, pl::TimeNs t) { return pose.t_ns < t; });
-  if (after == truth.end()) return std::nullopt;
-  if (after->t_ns == t_ns) return after->T_world_body;
-  if (after == truth.begin()) return std::nullopt;
-  const auto before = after - 1;
-  const double gap_s = pl::seconds_between(before->t_ns, after->t_ns);
-  if (!(gap_s < max_gap_s)) return std::nullopt;
-  const auto between =
-      pl::interpolate(before->T_world_body, after->T_world_body, pl::seconds_between(before->t_ns, t_ns) / gap_s);
-  return between.valid ? std::optional(between.T) : std::nullopt;
-}
-
 /// T_estimate_reference that carries one pose of the reference to that of the estimate.
 pl::SE3<double> alignment_at(const io::PosePair& pair, bool gravity_is_known) {
   pl::SO3<double> R = pair.estimate.rotation() * pair.reference.rotation().inverse();
@@ -55,6 +40,21 @@ double nees(const pl::Vec<double, N>& e, const pl::Mat<double, N, N>& covariance
 }
 
 }  // namespace
+
+std::optional<pl::SE3<double>> truth_at(const io::Trajectory& truth, pl::TimeNs t_ns) {
+  constexpr double max_gap_s = 0.1;
+  const auto after = std::lower_bound(truth.begin(), truth.end(), t_ns,
+                                      [](const io::StampedPose& pose, pl::TimeNs t) { return pose.t_ns < t; });
+  if (after == truth.end()) return std::nullopt;
+  if (after->t_ns == t_ns) return after->T_world_body;
+  if (after == truth.begin()) return std::nullopt;
+  const auto before = after - 1;
+  const double gap_s = pl::seconds_between(before->t_ns, after->t_ns);
+  if (!(gap_s < max_gap_s)) return std::nullopt;
+  const auto between =
+      pl::interpolate(before->T_world_body, after->T_world_body, pl::seconds_between(before->t_ns, t_ns) / gap_s);
+  return between.valid ? std::optional(between.T) : std::nullopt;
+}
 
 TruthComparison compare_with_truth(const io::Trajectory& truth, const std::vector<EstimatedPose>& estimates,
                                    bool gravity_is_known, const std::optional<pl::SO3<double>>& heading) {

@@ -37,5 +37,8 @@ TruthComparison compare_with_truth(const plumbline::io::Trajectory& truth, const
                                    bool gravity_is_known,
                                    const std::optional<plumbline::SO3<double>>& heading = std::nullopt);
 
+/// Interpolated; nothing where the poses around the time are 0.1 s apart or more.
+std::optional<plumbline::SE3<double>> truth_at(const plumbline::io::Trajectory& truth, plumbline::TimeNs t_ns);
+
 /// Root mean square of the distances [m].
 double position_rmse(const std::vector<TruthError>& errors);

@@ -14,11 +14,11 @@ try() {
   local config=$1 alignment=se3 truth=room/groundtruth.txt name=${1//\//_} bound poses
   case $config in
     *-imu/* | *-inertial-* | semi-direct-vio) alignment=posyaw truth=room/groundtruth_body.csv ;;
-    mono/*) alignment=sim3 ;;
+    mono/* | lap-slam) alignment=sim3 ;;
   esac
   case $config in  # measured                      ATE at most [m], poses of 160 images
     mono/lines/*) bound=0.24 poses=90 ;;           # 0.120, 104
-    mono/*) bound=0.0074 poses=110 ;;              # 0.0037, 122
+    mono/* | lap-slam) bound=0.0074 poses=110 ;;   # 0.0037, 122
     mono-imu/lines/*) bound=0.26 poses=76 ;;       # 0.128, 85
     mono-imu/* | semi-direct-vio) bound=0.0117 poses=76 ;;  # 0.0058, 85
     rgbd/*) bound=0.0036 poses=158 ;;              # 0.0018, 160

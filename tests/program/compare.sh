@@ -125,22 +125,22 @@ expect_text table.txt 'rgbd/points/window +se3 +failed +failed +0 % +2 of 2'
 
 # -------------------------------------------------------------------------------------------------- bad arguments
 known=(--config "$config" --dataset room --json no.json)
-expect_error 'configuration "rgbd/point/window" is unknown.*"rgbd/points/window"' \
+expect_misuse 'configuration "rgbd/point/window" is unknown.*"rgbd/points/window"' \
   compare --config rgbd/point/window --dataset room --json no.json
-expect_error 'no configuration matches "rgbx\*"' compare --config 'rgbx*' --dataset room --json no.json
+expect_misuse 'no configuration matches "rgbx\*"' compare --config 'rgbx*' --dataset room --json no.json
 expect_error 'rgbd/points/window can run on none of the recordings: still lacks depth' \
   compare --config rgbd/points/window --dataset still --json no.json
-expect_error 'two recordings are called room' compare "${known[@]}" --dataset room
+expect_misuse 'two recordings are called room' compare "${known[@]}" --dataset room
 expect_error 'flight' compare --config "$config" --dataset flight --json no.json
-expect_error 'needs --config' compare --dataset room
-expect_error '--shard must be I/N.*3/2' compare "${known[@]}" --shard 3/2
-expect_error '--shard must be I/N.*half' compare "${known[@]}" --shard half
-expect_error '--repeat' compare "${known[@]}" --repeat 0
+expect_misuse 'needs --config' compare --dataset room
+expect_misuse '--shard must be I/N.*3/2' compare "${known[@]}" --shard 3/2
+expect_misuse '--shard must be I/N.*half' compare "${known[@]}" --shard half
+expect_misuse '--repeat' compare "${known[@]}" --repeat 0
 expect_error 'too few for 50 repeats' compare "${known[@]}" --repeat 50
-expect_error '--start' compare "${known[@]}" --start -1
-expect_error '--duration' compare "${known[@]}" --duration nan
+expect_misuse '--start' compare "${known[@]}" --start -1
+expect_misuse '--duration' compare "${known[@]}" --duration nan
 expect_error 'nowhere/no.json: cannot be written' compare --config "$config" --dataset room --json nowhere/no.json
-expect_error 'more than one output' compare "${known[@]}" --report ./no.json
+expect_misuse 'more than one output' compare "${known[@]}" --report ./no.json
 expect_error 'table.txt: is not JSON' compare --merge 1.json table.txt
 expect_error 'table.txt: is not JSON' table table.txt
 echo '{"format":"plumbline-results","version":1,"kind":"faults"}' > no_faults.json
@@ -149,11 +149,11 @@ expect_error 'none of the files has the results of table accuracy' table memory.
 echo '<!-- table fault -->' > misspelled.md
 expect_error 'table "fault" is unknown.*"faults"' table memory.json --template misspelled.md
 expect_error 'nowhere/no.json: cannot be written' table small.json --json nowhere/no.json
-expect_error '--memory' list --json no.json
+expect_misuse '--memory' list --json no.json
 expect_error 'again the run of' compare --merge 1.json 1.json
 sed 's/"program":"/&f/' 2.json > built.json
 expect_error 'another build' compare --merge 1.json built.json
-expect_error 'no --dataset' compare --merge 1.json --dataset room
+expect_misuse 'no --dataset' compare --merge 1.json --dataset room
 echo '{"format":"plumbline-compare","version":1}' > empty.json
 expect_error 'empty.json: is not a whole comparison' compare --merge 1.json empty.json
 [[ ! -e no.json && ! -e no.json.parts ]] || fail "files were left behind"

@@ -35,10 +35,10 @@ cmp both.png errors.png > /dev/null && fail "both pictures are the same"
 
 one=(evaluate --reference truth.txt --estimate good.tum)
 expect_error 'missing/a.png: cannot be written$' "${one[@]}" --plot missing/a.png
-expect_error "a.foo: a picture's name must end with .png or .jpg" "${one[@]}" --plot a.foo
-expect_error 'both --plot and --error-plot name this file' "${one[@]}" --plot a.png --error-plot a.png
+expect_misuse "a.foo: a picture's name must end with .png or .jpg" "${one[@]}" --plot a.foo
+expect_misuse 'both --plot and --error-plot name this file' "${one[@]}" --plot a.png --error-plot a.png
 cp good.tum mine.png
-expect_error 'mine.png: --plot would overwrite what is read' evaluate --reference truth.txt --estimate mine.png --plot mine.png
+expect_misuse 'mine.png: --plot would overwrite what is read' evaluate --reference truth.txt --estimate mine.png --plot mine.png
 
 # The truth of the body, held against the camera's.
 camera=(evaluate --reference "$2/groundtruth_body.csv" --estimate "$2/groundtruth.txt" --align none)

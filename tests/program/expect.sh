@@ -12,13 +12,19 @@ fail() {
 }
 
 # expect_error PATTERN ARGUMENT...: the program fails with status 1, one line on stderr that matches, nothing on stdout.
-expect_error() {
-  local pattern=$1 status=0
-  shift
+# Notes about the recording may come before it.
+expect_error() { expect_status 1 "$@"; }
+
+# expect_misuse PATTERN ARGUMENT...: the same of a command line that cannot be meant, with status 2.
+expect_misuse() { expect_status 2 "$@"; }
+
+expect_status() {
+  local expected=$1 pattern=$2 status=0
+  shift 2
   "$plumbline" "$@" > out.txt 2> err.txt || status=$?
-  [[ $status == 1 ]] || fail "$*: status $status instead of 1"
+  [[ $status == "$expected" ]] || fail "$*: status $status instead of $expected"
   [[ ! -s out.txt ]] || fail "$*: output on stdout: $(cat out.txt)"
-  [[ $(wc -l < err.txt) == 1 ]] || fail "$*: not one line but: $(cat err.txt)"
+  [[ $(grep -vc "^plumbline: note: " err.txt) == 1 ]] || fail "$*: not one line but: $(cat err.txt)"
   grep -qE -- "$pattern" err.txt || fail "$*: \"$(cat err.txt)\" does not match \"$pattern\""
 }
 

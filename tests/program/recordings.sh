@@ -51,6 +51,9 @@ for features in points points+lines; do
   camera_within mono/$features/window euroc_mh01_flight 0.04 49
   within mono/$features/window kitti00_first20s poses.txt sim3 2 20
 done
+camera_within lap-slam rendered_office_mono 0.01 90
+camera_within lap-slam euroc_mh01_flight 0.05 49
+within lap-slam kitti00_first20s poses.txt sim3 2 20
 within rgbd/points/direct tum_fr1_rpy_first12s groundtruth.txt se3 0.025 0
 within rgbd/points+lines/direct icl_office_kt0_3s groundtruth.txt se3 0.006 0
 within rgbd/points+lines/direct rendered_lowtex_rgbd groundtruth.txt se3 0.012 0

@@ -81,7 +81,7 @@ expect_error 'debug: exists and is not an empty folder' "${run[@]}" --debug debu
 expect_error 'out.tum: exists and is not an empty folder' "${run[@]}" --debug out.tum
 expect_error '/dev/null/debug: cannot be made' "${run[@]}" --debug /dev/null/debug
 expect_error 'missing.txt: no such file' "${run[@]}" --debug new --reference missing.txt
-expect_error '--debug-every' "${run[@]}" --debug new --debug-every 0
-expect_error 'requires --debug' "${run[@]}" --reference plain.tum
+expect_misuse '--debug-every' "${run[@]}" --debug new --debug-every 0
+expect_misuse 'requires --debug' "${run[@]}" --reference plain.tum
 [[ ! -e other.tum && ! -e new ]] || fail "files were left behind"
 finish

@@ -16,7 +16,7 @@ expect_failure 'no pose in 20 frames: little parallax in 20 of them \(.* degrees
   > out.txt 2> err.txt || fail "run: $(cat err.txt)"
 grep -q '^20 frames: 20 poses, 20 tracking, 0 degraded, 0 lost, 0 initializing, 0 skipped, 0 refused; 0 resets; ' out.txt ||
   fail "summary: $(cat out.txt)"
-[[ $(head -n 1 out.csv) == timestamp_ns,track_ms,estimate_ms,map_ms,total_ms,health,reason,sigma_position_m,sigma_rotation_deg,pyramid_ms,align_ms,follow_ms ]] ||
+[[ $(head -n 1 out.csv) == timestamp_ns,track_ms,estimate_ms,map_ms,total_ms,health,reason,sigma_position_m,sigma_rotation_deg,pyramid_ms,align_ms,follow_ms,map_learn_ms,map_query_ms,map_verify_ms,map_solve_ms ]] ||
   fail "header of the timing"
 awk -F, 'NR > 1 && !($6 == "tracking" && $7 == "none" && $8 > 0 && $8 < 0.1 && $9 > 0 && $9 < 5) { exit 1 }' out.csv ||
   fail "times: $(head -n 3 out.csv)"
@@ -43,10 +43,10 @@ column readout_s | awk '!($1 >= 0 && $1 < 0.1) { exit 1 }' || fail "readout time
 
 # The configuration that fits what the recording has.
 "$plumbline" run --dataset "$recording" --trajectory out.tum > /dev/null 2> err.txt || true
-grep -qx 'configuration: rgbd-imu/points+lines/window' err.txt || grep -qx 'configuration: rgbd-imu/points/window' err.txt ||
+grep -qE '^configuration: rgbd-imu/points(\+lines)?/window, recommended for a camera, depth and an IMU \(' err.txt ||
   fail "configuration with depth and IMU: $(head -1 err.txt)"
 copy_recording plain
 rm plain/imu.csv
 "$plumbline" run --dataset plain --trajectory out.tum > /dev/null 2> err.txt || fail "run without --config: $(cat err.txt)"
-grep -qE '^configuration: rgbd/points(\+lines)?/window$' err.txt || fail "configuration with depth: $(head -1 err.txt)"
+grep -qE '^configuration: rgbd/points(\+lines)?/window, recommended for a camera and depth \(' err.txt || fail "configuration with depth: $(head -1 err.txt)"
 finish

@@ -63,7 +63,12 @@ sed -i 's/rate_hz: 20$/rate_hz: 60/' odd/calibration.yaml
 grep -q 'warning: odd/rgb.txt: the image rate is 20 Hz, the calibration has 60 Hz' err.txt ||
   fail "a rate: $(cat err.txt)"
 
+copy_recording odd
+sed -i -E 's/(gyroscope_noise_density: ).*/\1 0.1/; s/(accelerometer_noise_density: ).*/\1 2/' odd/calibration.yaml
+"$plumbline" "${run[@]}" > /dev/null 2> err.txt || true
+[[ $(grep -c 'times quieter than the stated noise density' err.txt) == 2 ]] || fail "stated noise: $(cat err.txt)"
+
 # A good recording is run without a warning.
 "$plumbline" run --config "$config" --dataset "$recording" --trajectory out.tum > /dev/null 2> err.txt
-if grep -v ' % (' err.txt; then fail "something is wrong with a good recording"; fi
+if grep -vE ' % \(|imu.csv is not used: the configuration .* is one without an IMU$' err.txt; then fail "something is wrong with a good recording"; fi
 finish

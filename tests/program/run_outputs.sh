@@ -5,18 +5,18 @@ source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 
 rm -rf ./*
 run=(run --config "$config" --dataset "$recording")
-expect_error 'out.tum: both --trajectory and --timing name this file' "${run[@]}" --trajectory out.tum --timing ./out.tum
-expect_error 'both --timing and --states' "${run[@]}" --trajectory out.tum --timing a.csv --states "$PWD/a.csv"
-expect_error '--trajectory: must not be empty' "${run[@]}" --trajectory ''
-expect_error '--states: must not be empty' "${run[@]}" --trajectory out.tum --states ''
+expect_misuse 'out.tum: both --trajectory and --timing name this file' "${run[@]}" --trajectory out.tum --timing ./out.tum
+expect_misuse 'both --timing and --states' "${run[@]}" --trajectory out.tum --timing a.csv --states "$PWD/a.csv"
+expect_misuse '--trajectory: must not be empty' "${run[@]}" --trajectory ''
+expect_misuse '--states: must not be empty' "${run[@]}" --trajectory out.tum --states ''
 
 copy_recording mine
 truth=$(md5sum < mine/groundtruth.txt)
 run_mine=(run --config "$config" --dataset mine)
-expect_error 'groundtruth.txt: --trajectory would overwrite what is read' "${run_mine[@]}" --trajectory mine/groundtruth.txt
-expect_error 'rgb.txt: --timing would overwrite' "${run_mine[@]}" --trajectory out.tum --timing mine/rgb.txt
+expect_misuse 'groundtruth.txt: --trajectory would overwrite what is read' "${run_mine[@]}" --trajectory mine/groundtruth.txt
+expect_misuse 'rgb.txt: --timing would overwrite' "${run_mine[@]}" --trajectory out.tum --timing mine/rgb.txt
 ln -s mine/calibration.yaml link.yaml
-expect_error 'link.yaml: --landmarks would overwrite' "${run_mine[@]}" --trajectory out.tum --landmarks link.yaml
+expect_misuse 'link.yaml: --landmarks would overwrite' "${run_mine[@]}" --trajectory out.tum --landmarks link.yaml
 [[ $(md5sum < mine/groundtruth.txt) == "$truth" ]] || fail "the truth was overwritten"
 
 if [[ -c /dev/full ]]; then

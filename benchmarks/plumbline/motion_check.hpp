@@ -1,0 +1,10 @@
+#pragma once
+/// The checks of `plumbline doctor` that follow corners through the images.
+
+#include <vector>
+
+#include "doctor.hpp"
+#include "plumbline/io/recording.hpp"
+
+/// Without an IMU, or where its samples are not sound, only those of the images; what cannot be told is said.
+std::vector<Diagnosis> check_motion(const plumbline::io::Recording& recording, bool with_imu);
