@@ -6,6 +6,9 @@ export const health_names = ['initializing', 'tracking', 'degraded', 'lost'];
 /// Processor time where it is recorded: other processes affect it less.
 export const time_of = run => run.time_ms?.cpu_median ?? run.time_ms?.median;
 
+/// Name of what is compared: runs with a map are rows of their own.
+export const label_of = run => (run.with_map ? `${run.configuration} --map` : run.configuration);
+
 const distinct = values => [...new Set(values)];
 const group_key = (configuration, dataset) => JSON.stringify([configuration, dataset]);
 
@@ -25,6 +28,8 @@ class Group {
     this.figures = {
       ate: has_ate ? median(ates) : null,
       ate_worst: has_ate ? largest(ates) : null,
+      ate_final: median(all(run => run.ate_final?.rmse)),
+      loops: median(all(run => run.map_counts?.loops)),
       rpe: median(all(run => run.rpe_1s?.translation_rmse)),
       rpe_rotation: median(all(run => run.rpe_1s?.rotation_rmse_deg)),
       scale_error: median(all(run => run.scale_error)),
@@ -60,14 +65,16 @@ class Group {
 
 export class Comparison {
   constructor(data) {
-    const runs = data?.runs ?? [];
+    const runs = (data?.runs ?? []).map(run => ({ ...run, configuration: label_of(run) }));
+    const names = (data?.configurations ?? []).map(each => each.name), labels = distinct(runs.map(run => run.configuration));
     this.machine = data?.machine ?? {};
     this.processes = data?.processes ?? 1;
     this.missing = Math.max(0, (data?.plans ?? []).reduce((sum, plan) => sum + plan.runs, 0) - runs.length);
     this.machines = 1 + distinct(runs.filter(run => run.machine).map(run => JSON.stringify(run.machine))).length;
     this.runs = runs;
     this.datasets = distinct([...(data?.datasets ?? []).map(each => each.name), ...runs.map(run => run.dataset)]);
-    this.configurations = distinct([...(data?.configurations ?? []).map(each => each.name), ...runs.map(run => run.configuration)]);
+    this.configurations = distinct([...names.flatMap(name => (labels.includes(`${name} --map`) ? [labels.includes(name) && name, `${name} --map`] : name)).filter(Boolean), ...labels]);
+    this.has_map = runs.some(run => run.with_map);
     this.about_dataset = new Map((data?.datasets ?? []).map(each => [each.name, each]));
     this.about_configuration = new Map((data?.configurations ?? []).map(each => [each.name, each]));
 
@@ -89,8 +96,8 @@ export class Comparison {
     return truth?.t?.length ? truth : null;
   }
   sensors(configuration) {
-    const [sensors, features, backend] = configuration.split('/');
-    const about = this.about_configuration.get(configuration) ?? {};
+    const name = configuration.replace(/ --map$/, ''), [sensors, features, backend] = name.split('/');
+    const about = this.about_configuration.get(name) ?? {};
     return { sensors: about.sensors ?? sensors, features: about.features ?? features ?? '', backend: about.backend ?? backend ?? '' };
   }
 }

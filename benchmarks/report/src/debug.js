@@ -1,8 +1,10 @@
-/// The page of `plumbline run --debug`: pictures of the frames beside curves of everything over time.
+/// The page of `plumbline run --debug`: pictures of the frames beside curves of everything over time; or of a saved map.
 import { card, checkbox, element } from './dom.js';
 import { spans_of, TimeAxis, time_chart } from './chart.js';
 import { health_chart, health_legend } from './health_chart.js';
 import { Lazy } from './lazy.js';
+import { map_page } from './map_page.js';
+import { MapView } from './map_view.js';
 import { stage_curves } from './dataset_section.js';
 import { top_view } from './top_view.js';
 import { Viewer } from './viewer.js';
@@ -18,6 +20,7 @@ class DebugPage {
     this.axis.span = [data.t[0] ?? 0, Math.max(data.t.at(-1) ?? 1, (data.t[0] ?? 0) + 1e-3)];
     this.background = spans_of(data.t, data.health);
     this.charts = [];
+    this.map = data.map && new MapView(data.map, () => this.redraw_space());
     this.node = element('main', { class: 'debug' }, element('div', { class: 'look' }, this.pictures(), this.space()), element('div', { class: 'cards' }, this.curves()));
     on_theme(() => this.charts.forEach(chart => chart.lazy.invalidate()));
   }
@@ -60,17 +63,21 @@ class DebugPage {
   }
 
   scene() {
+    if (this.map) return this.map.scene();
     const { trajectory, truth } = this.data, paths = [];
     if (trajectory?.t.length) paths.push({ name: 'estimate', ...trajectory, color: css_color('--stage-1'), width: 2.5 });
     if (truth?.t.length && this.with_truth) paths.push({ name: 'truth', ...truth, color: css_color('--ink'), width: 1.2, on_top: true });
     return { paths, points: [], segments: [] };
   }
+  redraw_space() {
+    this.charts.forEach(chart => chart.is_space && chart.lazy.invalidate());
+  }
   space() {
     if (!this.data.trajectory?.t.length) return element('p', { class: 'note' }, 'This run has no trajectory.');
     this.with_truth = true;
-    const view = view_of([this.data.trajectory], this.data.has_imu), height = Math.max(220, Math.min(320, Math.round(0.32 * window.innerHeight)));
+    const view = view_of([this.map ? this.data.map.causal : this.data.trajectory], this.data.has_imu), height = Math.max(220, Math.min(320, Math.round(0.32 * window.innerHeight)));
     const has_truth = Boolean(this.data.truth?.t.length);
-    const controls = has_truth ? [checkbox('truth', true, value => { this.with_truth = value; this.charts.forEach(chart => chart.is_space && chart.lazy.invalidate()); })] : [];
+    const controls = this.map ? this.map.controls : has_truth ? [checkbox('truth', true, value => { this.with_truth = value; this.redraw_space(); })] : [];
     this.above = this.make('From above', chart => top_view(chart.place, this.axis, this.scene(), view, height));
     const space = this.make('In space', chart => { this.viewer ??= new Viewer(chart.place, this.axis, height); this.viewer.show(this.scene(), view, 'run'); }, controls);
     this.charts.forEach(chart => { chart.is_space = true; });
@@ -102,20 +109,23 @@ class DebugPage {
       nodes.push(plot('Velocity', 'm/s', axes('velocity')), plot('Gyroscope bias', 'rad/s', axes('bias_gyro')), plot('Its sigma', 'rad/s', axes('sigma_bias_gyro')),
         plot('Accelerometer bias', 'm/s²', axes('bias_accel')), plot('Its sigma', 'm/s²', axes('sigma_bias_accel')), plot('Fraction of the time without valid IMU samples', '', () => [curve('missing', 'imu_missing', '--lost')]));
     nodes.push(plot('Time of a frame', 'ms', () => stage_curves({ t, ...columns })));
+    if (this.map) nodes.unshift(this.map.figures());
+    if (this.map) nodes.push(plot('Time of the map\'s stages', 'ms', () => [['learn', '--stage-1'], ['query', '--stage-2'], ['verify', '--stage-3'], ['solve', '--lost']].map(([stage, color]) => curve(stage, `map_${stage}_ms`, color))));
     return [...nodes, this.above ?? []];
   }
 }
 
 function main() {
   const data = JSON.parse(document.getElementById('plumbline-data').textContent);
-  if (!data || !data.t.length) {
-    document.body.append(element('p', { class: 'empty' }, 'There are no frames in this run.'));
+  const is_map = data?.format === 'plumbline-map' && data.map.keyframes.x.length > 0;
+  if (!data || !(data.t.length || is_map)) {
+    document.body.append(element('p', { class: 'empty' }, data?.format === 'plumbline-map' ? 'There are no keyframes in this map.' : 'There are no frames in this run.'));
     return;
   }
   document.title = data.title;
   document.body.append(element('header', {}, element('div', {}, element('h1', {}, element('i', { class: 'bob', 'aria-hidden': 'true' }), data.title), theme_button()),
-    element('pre', { class: 'lead' }, data.summary), element('p', { class: 'note' }, 'Click a chart, or use the arrow keys, to go to a frame; drag to zoom, double click for all.')));
-  document.body.append(new DebugPage(data).node);
+    element('pre', { class: 'lead' }, data.summary), !is_map && element('p', { class: 'note' }, 'Click a chart, or use the arrow keys, to go to a frame; drag to zoom, double click for all.')));
+  document.body.append(is_map ? map_page(data) : new DebugPage(data).node);
 }
 
 main();

@@ -32,6 +32,11 @@ const columns = [
 columns[13].value = group => group.figures.start;
 columns[13].text = group => text_of(group.figures.start);
 
+const of_map = [
+  number('Loops', 'loops', '', 'That the map closed; median over the repeats'),
+  number('ATE final', 'ate_final', 'm', 'Of the poses as the map has them at the end of the run; ATE is that of the causal poses. Median over the repeats'),
+];
+
 const sum = values => values.reduce((a, b) => a + b, 0);
 function percent_signed(value) {
   return is_number(value) ? `${value > 0 ? '+' : ''}${text_of(100 * value, 2)} %` : dash;
@@ -53,15 +58,16 @@ export class ResultsTable {
   /// `store`: chosen configurations and the present data set; `on_open(group)` when a reader wants to see one.
   constructor(comparison, store, on_open) {
     Object.assign(this, { comparison, store, on_open });
+    this.columns = comparison.has_map ? [...columns.slice(0, 5), ...of_map, ...columns.slice(5)] : columns;
     this.sort = { column: 0, down: false };
     this.filter = { text: '', dataset: '', sensors: '', features: '', backend: '', failures: false };
     this.all = false;
     this.count = element('p', { class: 'note', role: 'status' });
     this.more = element('button', { type: 'button', class: 'more', onclick: () => { this.all = true; this.update(); } });
     this.body = element('tbody');
-    this.heads = columns.map((column, i) => element('th', { scope: 'col', class: column.numeric ? 'number' : '', title: column.title },
+    this.heads = this.columns.map((column, i) => element('th', { scope: 'col', class: column.numeric ? 'number' : '', title: column.title },
       element('button', { type: 'button', onclick: () => this.sort_by(i) }, column.name, column.unit && element('small', {}, ` ${column.unit}`))));
-    this.sorting = select('Sort by', columns.map((column, i) => [String(i), [column.name, column.unit].filter(Boolean).join(' ')]), '0', value => this.sort_by(Number(value), false));
+    this.sorting = select('Sort by', this.columns.map((column, i) => [String(i), [column.name, column.unit].filter(Boolean).join(' ')]), '0', value => this.sort_by(Number(value), false));
     this.sorting.classList.add('sorting');
     this.node = element('div', {}, this.filters(), element('div', { class: 'above-table' }, this.count, health_legend()),
       element('div', { class: 'scroll', tabindex: '0', role: 'region', 'aria-label': 'Results' },
@@ -96,7 +102,7 @@ export class ResultsTable {
       return (!dataset || group.dataset === dataset) && (!failures || group.failed.length > 0) && words.every(word => name.includes(word)) &&
         ['sensors', 'features', 'backend'].every(part => !this.filter[part] || about[part] === this.filter[part]);
     });
-    const { value } = columns[this.sort.column], sign = this.sort.down ? -1 : 1, missing = v => v === null || v === undefined || v === '';
+    const { value } = this.columns[this.sort.column], sign = this.sort.down ? -1 : 1, missing = v => v === null || v === undefined || v === '';
     return rows.sort((a, b) => {
       const x = value(a), y = value(b);
       if (missing(x) || missing(y)) return Number(missing(x)) - Number(missing(y));  // what is unknown comes last
@@ -120,7 +126,7 @@ export class ResultsTable {
       element('div', {}, element('strong', {}, count > 1 ? `${count} runs failed: ` : 'failed: '), reason)));
     const name = element('th', { scope: 'row' }, element('div', { class: 'name' }, box, element('i', { class: 'swatch' }),
       element('button', { type: 'button', class: 'open', title: 'Show its charts on this data set', onclick: () => this.on_open(group) }, name_of(group.configuration))), failure);
-    const row = element('tr', { class: group.ok.length ? '' : 'all-failed' }, name, columns.slice(1).map(column =>
+    const row = element('tr', { class: group.ok.length ? '' : 'all-failed' }, name, this.columns.slice(1).map(column =>
       element('td', { class: column.numeric ? 'number' : '', 'data-label': [column.name, column.unit].filter(Boolean).join(' ') }, column.text ? column.text(group) : health_cell(group))));
     row.group = group;
     return row;

@@ -6,7 +6,7 @@ import { css_color } from './theme.js';
 /// `scene`: {paths, points, segments} as of viewer.js, `view` as of space.js.
 export function top_view(place, axis, scene, view, height) {
   const k = { right: 'xyz'.indexOf(view.right), far: 'xyz'.indexOf(view.far) };
-  const around = box_of(scene.paths);
+  const around = box_of(scene.frame ?? scene.paths);
   if (!around) {
     place.textContent = 'Nothing to draw here.';
     return () => place.replaceChildren();
@@ -34,16 +34,16 @@ export function top_view(place, axis, scene, view, height) {
     ctx.beginPath();
     ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
     ctx.clip();
-    for (const { positions, color } of scene.points) {
+    for (const { positions, color, size = 2, opacity = 0.5 } of scene.points) {
       ctx.fillStyle = color;
-      ctx.globalAlpha = 0.5;
-      for (const p of positions) ctx.fillRect(...at(p[k.right], p[k.far]).map(value => value - ratio), 2 * ratio, 2 * ratio);
+      ctx.globalAlpha = opacity;
+      for (const p of positions) ctx.fillRect(...at(p[k.right], p[k.far]).map(value => value - size / 2 * ratio), size * ratio, size * ratio);
     }
     ctx.lineCap = ctx.lineJoin = 'round';
-    for (const { ends, color } of scene.segments) {
+    for (const { ends, color, opacity = 0.6, width = 1 } of scene.segments) {
       ctx.strokeStyle = color;
-      ctx.globalAlpha = 0.6;
-      ctx.lineWidth = ratio;
+      ctx.globalAlpha = opacity;
+      ctx.lineWidth = width * ratio;
       ctx.beginPath();
       for (const s of ends) {
         ctx.moveTo(...at(s[k.right], s[k.far]));

@@ -63,8 +63,9 @@ export class Viewer {
     axis.listeners.add(() => { this.place_markers(); this.render(); });
   }
 
-  /// `scene`: {paths: [{name, t, x, y, z, color, dash, width, faint, on_top}], points: [{positions, color}],
-  /// segments: [{ends, color}]}. The camera stays where a reader put it as long as `key` is the same.
+  /// `scene`: {paths: [{name, t, x, y, z, color, dash, width, faint, on_top}], 
+  /// points: [{positions, color, size, opacity}], segments: [{ends, color, opacity, width}], frame}; `frame`: the paths
+  /// that are to be in view, all by default. The camera stays where a reader put it as long as `key` is the same.
   show(scene, view, key) {
     if (!this.renderer) return;
     const before = [...this.content.children];
@@ -78,7 +79,7 @@ export class Viewer {
 
   fill(scene, view, key) {
     this.markers = [];
-    const box = box_of(scene.paths);
+    const box = box_of(scene.frame ?? scene.paths);
     this.hint.textContent = '';
     if (!box) {
       this.render();
@@ -87,10 +88,10 @@ export class Viewer {
     const low = new Vector3(...box.low), high = new Vector3(...box.high);
     this.center = low.clone().add(high).multiplyScalar(0.5);
     this.radius = Math.max(high.distanceTo(low) / 2, 1e-3);
-    for (const { positions, color } of scene.points)
-      this.content.add(new Points(geometry_of(positions), new PointsMaterial({ color: new Color(color), size: 2.5, sizeAttenuation: false, transparent: true, opacity: 0.65 })));
-    for (const { ends, color } of scene.segments)
-      this.content.add(new LineSegments(geometry_of(ends), new LineBasicMaterial({ color: new Color(color), transparent: true, opacity: 0.7 })));
+    for (const { positions, color, size, opacity } of scene.points)
+      this.content.add(new Points(geometry_of(positions), new PointsMaterial({ color: new Color(color), size: size ?? 2.5, sizeAttenuation: false, transparent: true, opacity: opacity ?? 0.65 })));
+    for (const { ends, color, opacity } of scene.segments)
+      this.content.add(new LineSegments(geometry_of(ends), new LineBasicMaterial({ color: new Color(color), transparent: true, opacity: opacity ?? 0.7 })));
     for (const path of scene.paths) this.add_path(path);
     this.add_grid(box, view);
     this.renderer.domElement.setAttribute('aria-label', `In space: ${scene.paths.filter(path => !path.faint).map(path => path.name).join(', ')}. Arrow keys turn, plus and minus zoom.`);

@@ -336,3 +336,23 @@ test('takes processor times where there are some, and reports what is missing or
   assert.deepEqual(page.complaints, []);
   await page.close();
 });
+
+test('runs with a map are rows of their own, with their loops and the error of the final poses', async () => {
+  const data = comparisons.map(), mapped = join(folder, 'mapped.html');
+  writeFileSync(mapped, page_with('compare', data));
+  const page = await open(flat, mapped);
+  const heads = await page.$$eval('.results thead th', all => all.map(node => node.textContent));
+  assert.deepEqual(heads, [...columns.slice(0, 5), 'Loops', 'ATE final m', ...columns.slice(5)]);
+  const rows = await page.$$eval('.results tbody tr', all => all.map(row => [...row.children].map((cell, i) => (i === 0 ? cell.querySelector('.open') : cell).textContent)));
+  assert.deepEqual(rows.map(row => row[0]).sort(), ['mono-imu/points/window', 'mono-imu/points/window --map', 'rgbd/points/window --map']);
+  for (const row of rows) {
+    const runs = data.runs.filter(run => (run.with_map ? `${run.configuration} --map` : run.configuration) === row[0]), has_map = row[0].endsWith('--map');
+    assert.equal(row[2], '2');
+    if (has_map) assert.ok(near(row[5], 3.5) && near(row[6], median(runs.map(run => run.ate_final.rmse))), row.join(' '));
+    else assert.deepEqual(row.slice(5, 7), [dash, dash]);
+    assert.ok(near(row[3], median(runs.map(run => run.ate.rmse))));
+  }
+  await scroll_through(page);
+  assert.deepEqual(page.complaints, []);
+  await page.close();
+});

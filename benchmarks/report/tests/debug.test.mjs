@@ -5,7 +5,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, describe, test } from 'node:test';
 import { launch, launch_flat, open, scroll_through, wait_until_drawn } from './browser.mjs';
-import { debug_data, page_with } from './fixture.mjs';
+import { debug_data, page_with, saved_map_data } from './fixture.mjs';
 
 const folder = mkdtempSync(join(tmpdir(), 'plumbline-debug-'));
 const write = (name, data) => {
@@ -57,6 +57,70 @@ describe('a run', () => {
     assert.ok(shifts.length >= 1 && shifts.every(shift => Math.abs(shift - 0.75) < 0.01), `${shifts}`);
     for (let i = 0; i < 70; ++i) await page.keyboard.press('ArrowRight');
     assert.equal(await frame(), '239');
+  });
+});
+
+describe('a run with a map', () => {
+  let page;
+  before(async () => { page = await open(browser, write('map', debug_data({ with_map: true }))); });
+  after(async () => {
+    assert.deepEqual(page.complaints, []);
+    await page.close();
+  });
+  const rows = () => page.$$eval('.counts tr', all => Object.fromEntries(all.map(row => [...row.children].map(cell => cell.textContent))));
+
+  test('has its counts and the errors of its trajectories', async () => {
+    await scroll_through(page);
+    assert.ok((await titles(page)).includes('Time of the map\'s stages [ms]'));
+    const counts = await rows();
+    assert.equal(counts.Loops, '3');
+    assert.equal(counts['Refused as ambiguous'], '2');
+    assert.equal(counts.Relocalizations, '1');
+    assert.equal(counts['ATE, odometry'], '0.610 m');
+    assert.equal(counts['ATE, final'], '0.0210 m');
+  });
+
+  test('draws keyframes, loops, relocalizations and the trajectories, and without what is not chosen', async () => {
+    const layers = await page.$$eval('.look .check', all => all.map(node => [node.textContent, node.querySelector('input').checked]));
+    assert.deepEqual(layers, [...['truth', 'odometry', 'causal', 'final', 'keyframes', 'loops', 'relocalizations', 'points'].map(name => [name, true]), ['covisibility', false]]);
+    const above = () => page.$$eval('.card', all => all.find(node => node.textContent.includes('From above')).querySelector('canvas').toDataURL());
+    await page.$$eval('.card', all => all.find(node => node.textContent.includes('From above')).scrollIntoView());
+    await wait_until_drawn(page);
+    let before = await above();
+    for (const [name] of layers) {
+      await page.$$eval('.look .check', (all, text) => all.find(node => node.textContent === text).querySelector('input').click(), name);
+      await wait_until_drawn(page);
+      const after = await above();
+      assert.notEqual(after, before, `${name} is not drawn`);
+      before = after;
+    }
+  });
+});
+
+describe('a saved map', () => {
+  test('shows keyframes, loops, covisibility and points', async () => {
+    const page = await open(browser, write('saved', saved_map_data()));
+    await scroll_through(page);
+    assert.equal(await page.$eval('h1', node => node.textContent), 'house <of a room>.map');
+    assert.deepEqual(await titles(page), ['In space', 'From above', 'Map']);
+    assert.deepEqual(await page.$$eval('.check', all => all.map(node => node.textContent)), ['keyframes', 'loops', 'points', 'covisibility']);
+    assert.match(await page.$eval('.counts', node => node.innerText), /Keyframes\s+24[^]*Worlds\s+2[^]*Loops\s+3[^]*23\.4[^]*8\.00 x 6\.00 x 3\.00/);
+    assert.deepEqual(page.complaints, []);
+    await page.close();
+  });
+
+  test('without keyframes, and on a phone', async () => {
+    const empty = await open(flat, write('empty', saved_map_data(0)));
+    assert.match(await empty.evaluate(() => document.body.innerText), /There are no keyframes in this map/);
+    await empty.close();
+    for (const data of [saved_map_data(), debug_data({ with_map: true })]) {
+      const page = await open(flat, write('phone_map', data), { width: 390, height: 844, dark: true });
+      await scroll_through(page);
+      const wide = await page.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
+      assert.ok(wide[0] <= wide[1], `${wide}`);
+      assert.deepEqual(page.complaints, []);
+      await page.close();
+    }
   });
 });
 

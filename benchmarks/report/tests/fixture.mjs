@@ -1,5 +1,5 @@
 // Made-up comparisons and debug data, the same in every run, and pages that hold them.
-//   node tests/fixture.mjs compare|debug NAME FILE.html
+//   node tests/fixture.mjs compare|debug NAME FILE.html; NAME of debug: usual, map, saved
 import { readFileSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -102,6 +102,13 @@ function run_of(configuration, dataset, repeat, index) {
   });
 }
 
+/// As of a run with a map.
+function with_map(run) {
+  const map = Object.fromEntries(['learn', 'query', 'verify', 'solve'].map((stage, k) => [stage, { mean: 0.02 + 0.01 * k, max: 2 + k }]));
+  const map_counts = { keyframes: 42, evicted: 0, queries: 30, verified: 9, rejected_by_gate: 1, rejected_by_tilt: 0, rejected_as_ambiguous: 2, loops: 3 + run.repeat, corrections: 2, relocalizations: 1 };
+  return { ...run, with_map: true, map_counts, ate_final: { rmse: round(run.ate.rmse / 4), median: round(run.ate.rmse / 5), max: run.ate.rmse }, time_ms: { ...run.time_ms, map } };
+}
+
 function comparison_of(configurations, datasets, repeats) {
   const failed = (run, error) => {
     const { configuration, dataset, repeat, first_frame } = run;
@@ -129,6 +136,12 @@ function comparison_of(configurations, datasets, repeats) {
   };
 }
 
+function comparison_with_map() {
+  const out = comparison_of(['mono-imu/points/window', 'rgbd/points/window'], [dataset_of('sample_flight', 'flight', 120, 20, { has_depth: true })], 2);
+  out.runs = out.runs.flatMap(run => (run.configuration.startsWith('rgbd') ? [with_map(run)] : [run, with_map(run)]));
+  return out;
+}
+
 const few = ['mono-imu/points/window', 'mono-imu/points+lines/window', 'mono-imu/points+lines/direct', 'mono/points/window',
   'mono/lines/window', 'rgbd/points/window', 'mono-imu/points+lines+collinear/window'];
 const product = (...lists) => lists.reduce((all, list) => all.flatMap(a => list.map(b => [...a, b])), [[]]);
@@ -141,13 +154,43 @@ export const comparisons = {
     dataset_of('sample_hand_without_truth', 'hand', 200, 30, { truth: no_truth, has_depth: true })], 4),
   large: () => comparison_of(forty, Array.from({ length: 8 }, (_, i) =>
     dataset_of(`recording_${i + 1}`, ['flight', 'car', 'hand'][i % 3], 100, 10, { has_depth: true })), 8),
+  map: comparison_with_map,
   one: () => comparison_of(few.slice(0, 1), [dataset_of('sample_flight', 'flight', 60, 20)], 1),
   zero: () => comparison_of([], [], 0),
   failed: () => comparison_of(['rgbd/points/window'], [dataset_of('sample_flight', 'flight', 60, 20)], 2),
 };
 
+/// Keyframes along a way, with loops, pairs of keyframes that see the same, and the points of a room.
+function keyframe_map(dataset, keyframes = 24) {
+  const all = Array.from({ length: keyframes }, (_, i) => places[dataset.place](i / (keyframes - 1) * dataset.duration_s).map(round));
+  return {
+    keyframes: { x: all.map(p => p[0]), y: all.map(p => p[1]), z: all.map(p => p[2]), world: all.map((_, i) => (i < keyframes / 2 ? 0 : 1)) },
+    loops: [[0, keyframes - 4], [2, keyframes - 2], [3, keyframes - 1]],
+    covisible: all.slice(1).map((_, i) => [i, i + 1]),
+    points: map_of(dataset, true, false, random_of(3)).points,
+  };
+}
+
+/// As `plumbline map --report` writes it.
+export function saved_map_data(keyframes = 24) {
+  const dataset = dataset_of('sample', 'flight', 240, 20), map = keyframe_map(dataset, keyframes);
+  return { format: 'plumbline-map', version: 1, title: 'house <of a room>.map', summary: 'made by a rig with an IMU: meters, z up', has_imu: true, t: [],
+    map: { ...map, counts: { keyframes, worlds: 2, features: 9000, points: map.points.length, loops: 3 }, path: 23.4, extent: [8, 6, 3] } };
+}
+
+/// The map of a run: the odometry drifts, the map corrects it in the last third.
+function run_map(dataset, { t, x, y, z }, with_truth) {
+  const drift = (at, share) => { const i = t.indexOf(at); return { x: round(x[i] + share * at / 10), y: round(y[i] + share * at / 16), z: z[i] }; };
+  const path = share => ({ t, ...Object.fromEntries(['x', 'y', 'z'].map(axis => [axis, t.map(at => drift(at, share(at))[axis])])) });
+  const last = t.at(-1) ?? 0, joined = t.find(at => at > 0.66 * last) ?? 0, odometry = path(() => 1), causal = path(at => (at < joined ? 1 : 0.1)), final = path(() => 0.05), k = t.indexOf(joined);
+  return { ...keyframe_map(dataset), odometry, causal, final, truth: with_truth ? path(() => 0) : { t: [], x: [], y: [], z: [] },
+    relocalizations: { t: [joined], x: [causal.x[k]], y: [causal.y[k]], z: [causal.z[k]] },
+    counts: { keyframes: 24, evicted: 0, queries: 17, verified: 8, rejected_by_gate: 1, rejected_by_tilt: 0, rejected_as_ambiguous: 2, loops: 3, corrections: 2, relocalizations: 1 },
+    ate_m: with_truth ? { odometry: 0.61, causal: 0.34, final: 0.021 } : null };
+}
+
 /// As `plumbline run --debug` writes it; its pictures are drawings.
-export function debug_data({ with_truth = true, with_pictures = true, frames = 240 } = {}) {
+export function debug_data({ with_truth = true, with_pictures = true, with_map: has_map = false, frames = 240 } = {}) {
   const random = random_of(5), dataset = dataset_of('sample', 'flight', frames, 20), run = run_of('mono-imu/points+lines/window', dataset, 0, 1);
   const wave = (size, speed, noise) => dataset.truth.t.map(t => round(size * Math.sin(speed * t) + noise * random()));
   const above = (level, noise) => dataset.truth.t.map((_, i) => (i < 12 ? null : round(level + noise * random())));
@@ -171,13 +214,14 @@ export function debug_data({ with_truth = true, with_pictures = true, frames = 2
   }
   columns.imu_missing = wave(0, 1, 0.02);
   for (const stage of ['track', 'estimate', 'map', 'total']) columns[`${stage}_ms`] = run.frame_series[`${stage}_ms`];
+  ['learn', 'query', 'verify', 'solve'].forEach((stage, k) => { columns[`map_${stage}_ms`] = dataset.truth.t.map((_, i) => (has_map && i % 6 === k ? round(0.5 + random()) : 0)); });
   const { t, x, y, z } = run.trajectory;
   return {
     format: 'plumbline-debug', version: 1, title: 'mono-imu/points+lines/window on sample <of a room>',
     summary: `${frames} frames: ${t.length} poses, 0 skipped, 0 refused; median 2.61 ms, longest 6.22 ms`,
     t: dataset.truth.t, health: run.frame_series.health, columns, kinds: ['points', 'lines'], has_imu: true,
     errors: with_truth ? { t, position_m: run.trajectory.error, rotation_deg: t.map(() => round(0.1 + 0.2 * random())), nees_pose: t.map(() => round(4 + 5 * random())) } : null,
-    trajectory: { t, x, y, z },
+    trajectory: { t, x, y, z }, map: has_map ? run_map(dataset, run.trajectory, with_truth) : null,
     truth: with_truth ? { t, x: t.map(s => round(places.flight(s)[0])), y: t.map(s => round(places.flight(s)[1])), z: t.map(s => round(places.flight(s)[2])) } : null,
     pictures: with_pictures ? dataset.truth.t.map((_, row) => ({ row, file: picture(row) })) : [],
   };
@@ -195,6 +239,6 @@ export function page_with(page, data, folder = join(dirname(fileURLToPath(import
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {
   const [page, name, file] = process.argv.slice(2);
-  const data = page === 'debug' ? debug_data() : comparisons[name]();
+  const data = page === 'debug' ? { usual: () => debug_data(), map: () => debug_data({ with_map: true }), saved: () => saved_map_data() }[name]() : comparisons[name]();
   writeFileSync(file, page_with(page, data));
 }
