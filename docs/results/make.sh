@@ -5,7 +5,8 @@
 #
 # PROGRAM is the program `plumbline`, RECORDINGS the folder of the recordings that are named below.
 #
-#   --page NAME    this page only: accuracy, initialization, faults, timing or memory; may be given several times
+#   --page NAME    this page only: accuracy, initialization, faults, relocalizations, timing or memory; may be given
+#                  several times
 #   --quick        fewer runs, in a third of the time: accuracy of four runs instead of eight, timing of one instead of two,
 #                  initialization without simulated recordings, each fault once and for 0.5 and 3 s
 #   --tables       the pages from the JSON files that are there, without a run
@@ -45,7 +46,7 @@ while (($# > 0)); do
     *) usage ;;
   esac
 done
-((${#pages[@]} > 0)) || pages=(memory timing accuracy initialization faults)
+((${#pages[@]} > 0)) || pages=(memory timing accuracy initialization faults relocalizations)
 if [[ -z $work ]]; then
   work=$(mktemp -d)
   trap 'rm -rf "$work"' EXIT
@@ -159,6 +160,26 @@ measure_faults() {
       --dataset ${datasets[$sensors]} --for "${durations[@]}" --times "$times"
   done
   finished
+}
+
+measure_relocalizations() {
+  local sensors configs
+  local -A datasets=([mono-imu]='rendered_office_mono euroc_mh01_flight' [rgbd]='rendered_lowtex_rgbd tum_fr1_rpy_first12s')
+  for sensors in mono-imu rgbd; do
+    mapfile -t configs < <(available "$sensors"/points/window)
+    ((${#configs[@]} > 0)) || continue
+    # shellcheck disable=SC2086  # a list
+    beside measured "$recordings" "relocalizations_$sensors.json" relocalizations --config "${configs[@]}" \
+      --dataset ${datasets[$sensors]} --every "$($quick && echo 1 || echo 0.25)" \
+      --duration "$([[ $sensors == *imu ]] && echo 5 || echo 3)"
+  done
+  finished
+  mapfile -t configs < <(available mono-imu/points/window)
+  if ! $quick && ((${#configs[@]} > 0)); then
+    simulated room --scene room --seed 41 --late 0.02
+    measured "$work" relocalizations_simulated.json relocalizations --config "${configs[@]}" --dataset room --every 1 \
+      --duration 5
+  fi
 }
 
 measure_memory() { "$program" list --memory --json "$data/memory.json" > /dev/null; }
