@@ -9,6 +9,10 @@ target_compile_options(plumbline_build_options INTERFACE -Wall -Wextra -Wpedanti
   $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>
   # And two of its AVX-512 intrinsics.
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${PLUMBLINE_NATIVE}>>:-Wno-maybe-uninitialized$<SEMICOLON>-Wno-uninitialized>)
+if(PLUMBLINE_REPRODUCIBLE)  # docs/guide/firmware.md
+  target_compile_options(plumbline_build_options INTERFACE -ffp-contract=off)
+  target_compile_definitions(plumbline_build_options INTERFACE EIGEN_DONT_VECTORIZE PLUMBLINE_REPRODUCIBLE)
+endif()
 if(PLUMBLINE_SANITIZE)
   # Left out, for a third of the compile time: what AddressSanitizer or the processor finds as well. GCC's warning of
   # uninitialized variables is no use with sanitizers.

@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 set(plumbline_package_dir "${CMAKE_INSTALL_DATADIR}/cmake/plumbline")
 
-foreach(component core thread testing opencv lbd io)
+foreach(component core thread testing opencv lbd io bag c)
   if(TARGET plumbline_${component})
     install(TARGETS plumbline_${component} EXPORT plumbline-${component} FILE_SET HEADERS)
     install(EXPORT plumbline-${component} NAMESPACE plumbline:: DESTINATION "${plumbline_package_dir}")
@@ -17,6 +17,7 @@ configure_package_config_file(cmake/plumbline-config.cmake.in plumbline-config.c
 write_basic_package_version_file(plumbline-config-version.cmake COMPATIBILITY SameMinorVersion ARCH_INDEPENDENT)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/plumbline-config.cmake"
   "${CMAKE_CURRENT_BINARY_DIR}/plumbline-config-version.cmake" "${PROJECT_SOURCE_DIR}/cmake/FindOpenCVModules.cmake"
+  "${PROJECT_SOURCE_DIR}/cmake/FindBagLibraries.cmake"
   DESTINATION "${plumbline_package_dir}")
 
 configure_file(cmake/plumbline.pc.in plumbline.pc @ONLY)

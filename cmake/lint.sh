@@ -41,10 +41,10 @@ base=${1:-$(find_base)}
 if [[ -n $base ]]; then
   base=$(git rev-parse --short --verify "$base^{commit}")
   mapfile -t changed < <({ git diff --name-only --diff-filter=d "$base" && git ls-files --others --exclude-standard; } |
-    grep -E '^(include|tests|benchmarks|examples)/.*\.[ch]pp$' | sort -u)
+    grep -E '^(include|tests|benchmarks|examples|python)/.*\.[ch]pp$' | sort -u)
   echo "Lint: ${#changed[@]} C++ files changed since $base"
 else
-  mapfile -t changed < <(find include tests benchmarks examples -name '*.[ch]pp' | sort)
+  mapfile -t changed < <(find include tests benchmarks examples python -name '*.[ch]pp' | sort)
   echo "Lint: no earlier commit here; the format of all ${#changed[@]} C++ files"
 fi
 if ((${#changed[@]} == 0)); then

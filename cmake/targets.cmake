@@ -7,6 +7,8 @@
 #   plumbline::opencv    cv::Mat views, detectors, images from files; OpenCV core, imgproc, imgcodecs, libjpeg
 #   plumbline::lbd       LBD matching of lines; OpenCV's contributed module line_descriptor and plumbline::opencv
 #   plumbline::io        recordings, calibration, trajectories; yaml-cpp and plumbline::opencv
+#   plumbline::c         a compiled library with an interface for C, of c/; Eigen only
+#   plumbline::bag       bags of ROS 1 and ROS 2 as recordings; bzip2, LZ4, Zstandard, SQLite and plumbline::io
 
 # Every folder of the firmware headers, in the order in which they may include one another: only upwards.
 set(plumbline_core_folders core lie solver camera geometry imu residual image tracking sensor state feature factor motion
@@ -61,4 +63,12 @@ endif()
 find_package(yaml-cpp QUIET)
 if(yaml-cpp_FOUND AND TARGET plumbline_opencv)
   plumbline_add_target(io FOLDERS io LINK plumbline_opencv yaml-cpp)
+endif()
+
+find_package(BagLibraries QUIET)
+if(BagLibraries_FOUND AND TARGET plumbline_io)
+  plumbline_add_target(bag FOLDERS io/bag LINK plumbline_io BZip2::BZip2 SQLite::SQLite3 plumbline_lz4 plumbline_zstd)
+elseif(TARGET plumbline_io)
+  message(STATUS "bzip2, LZ4, Zstandard or SQLite not found (Debian: libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev): "
+    "no plumbline::bag")
 endif()

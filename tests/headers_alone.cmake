@@ -3,7 +3,7 @@
 # hides nothing, as they include it themselves before they use it.
 
 set(precompiled "${PROJECT_SOURCE_DIR}/include/plumbline/core/matrix.hpp")
-set(components thread testing opencv lbd io)
+set(components thread testing opencv lbd io bag)
 list(TRANSFORM components PREPEND plumbline_)
 set(headers "")
 foreach(component IN ITEMS plumbline_core ${components})

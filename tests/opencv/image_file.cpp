@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -85,8 +86,40 @@ TEST_CASE("image_file: a JPEG damaged in the middle is refused") {
 TEST_CASE("image_file: depth must be 16-bit, images of the calibrated size") {
   const TemporaryDirectory directory;
   const auto file = directory.write("a.png", encoded(ramp<std::uint8_t>(CV_8U), ".png"));
-  REQUIRE(reports(message_of([&] { read_depth(file); }), file, 0, "not a 16-bit image with one channel"));
+  REQUIRE(reports(message_of([&] { read_depth(file); }), file, 0,
+                  "an 8-bit image: a picture of depth, not its values; 16 bits, or 32-bit float in meters, are read"));
   REQUIRE(reports(message_of([&] { require_resolution(read_gray(file), 640, 480, file); }), file, 0,
                   "the image is 64 x 48, the calibration has 640 x 480"));
   REQUIRE(message_of([&] { require_resolution(read_gray(file), 64, 48, file); }).empty());
+}
+
+TEST_CASE("image_file: 10 and 12 bits in 16") {
+  const TemporaryDirectory directory;
+  cv::Mat gray(48, 64, CV_8U);
+  cv::randu(gray, 0, 256);
+  for (const int bits : {8, 10, 12, 16}) {
+    CAPTURE(bits);
+    cv::Mat wide;
+    gray.convertTo(wide, CV_16U, 1 << (bits - 8));
+    wide.at<std::uint16_t>(0, 0) = static_cast<std::uint16_t>((1 << bits) - 1);
+    const auto file = directory.write("w.png", encoded(wide, ".png"));
+    REQUIRE(used_gray_bits({file}) == bits);
+    cv::Mat read = read_gray(file, bits);
+    read.at<std::uint8_t>(0, 0) = gray.at<std::uint8_t>(0, 0);
+    REQUIRE(cv::norm(read, gray, cv::NORM_INF) <= 1);
+  }
+  REQUIRE(used_gray_bits({directory.write("g.png", encoded(gray, ".png"))}) == 16);
+  REQUIRE(used_gray_bits({directory.path() / "none.png"}) == 16);
+}
+
+TEST_CASE("image_file: depth in meters") {
+  const TemporaryDirectory directory;
+  cv::Mat meters(2, 2, CV_32F, cv::Scalar(1.5));
+  meters.at<float>(0, 1) = std::numeric_limits<float>::quiet_NaN();
+  meters.at<float>(1, 0) = std::numeric_limits<float>::infinity();
+  const auto file = directory.write("d.tiff", encoded(meters, ".tiff"));
+  const cv::Mat depth = read_depth(file, 1000);
+  REQUIRE((depth.type() == CV_16U && depth.at<std::uint16_t>(0, 0) == 1500 && depth.at<std::uint16_t>(1, 1) == 1500));
+  REQUIRE((depth.at<std::uint16_t>(0, 1) == 0 && depth.at<std::uint16_t>(1, 0) == 0));
+  REQUIRE(reports(message_of([&] { read_depth(file); }), file, 0, "not a 16-bit image with one channel"));
 }

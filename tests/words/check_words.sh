@@ -8,7 +8,7 @@ set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 cd "${1:-$here/../..}"
 
-mapfile -d '' files < <(find include docs benchmarks tests examples README.md -type f \
+mapfile -d '' files < <(find include docs benchmarks tests examples python README.md -type f \
   -not -path 'docs/decisions/*' -not -path 'tests/words/*' -not -path '*/dist/*' -not -path '*/node_modules/*' \
   -not -name package-lock.json -print0 | sort -z)
 found=$(mktemp)
