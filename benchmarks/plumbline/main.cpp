@@ -283,8 +283,9 @@ void add_map(CLI::App& app, SavedMapOptions& options) {
 void add_simulate(CLI::App& app, SimulateOptions& options) {
   CLI::App* command = app.add_subcommand("simulate", "Make a recording of a simulated scene, with exact truth");
   command->footer("Example:\n  plumbline simulate --scene room --duration 20 --out room");
-  command->add_option("--scene", options.scene, "One of: " + CLI::detail::join(scene_names(), ", "))
-      ->capture_default_str();
+  CLI::Option* scene =
+      command->add_option("--scene", options.scene, "One of: " + CLI::detail::join(scene_names(), ", "))
+          ->capture_default_str();
   command->add_option("--out", options.out, "Folder to make")->required();
   command->add_option("--seed", options.seed, "Of the surfaces, the motion and the noise")
       ->check(whole_number_from(0, 1e15))
@@ -292,12 +293,13 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
   CLI::Option* duration = command->add_option("--duration", options.duration_s, "Length [s]")
                               ->check(number_from(0.05, 3600, "s"))
                               ->capture_default_str();
-  command->add_option("--laps", options.laps, "Length in laps of the scene, in the place of --duration")
-      ->check(whole_number_from(1, 100))
-      ->excludes(duration);
-  command->add_option("--stop", options.stop_s, "Begin and end of a stop on the way [s]")
-      ->check(number_from(0, 3600, "s"))
-      ->expected(2);
+  CLI::Option* laps =
+      command->add_option("--laps", options.laps, "Length in laps of the scene, in the place of --duration")
+          ->check(whole_number_from(1, 100))
+          ->excludes(duration);
+  CLI::Option* stop = command->add_option("--stop", options.stop_s, "Begin and end of a stop on the way [s]")
+                          ->check(number_from(0, 3600, "s"))
+                          ->expected(2);
   command->add_option("--late", options.late_s, "The stamps of the images come after the images by so much [s]")
       ->check(number_from(-0.2, 0.2, "s"))
       ->capture_default_str();
@@ -312,9 +314,19 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
   command->add_option("--size", options.size, "Width and height of the images [px]")
       ->check(whole_number_from(160, 4096))
       ->expected(2);
-  command->add_option("--imu", options.imu, "One of: " + CLI::detail::join(imu_names(), ", "))->capture_default_str();
-  command->add_option("--layout", options.layout, "One of: " + CLI::detail::join(layout_names(), ", "))
-      ->capture_default_str();
+  CLI::Option* imu = command->add_option("--imu", options.imu, "One of: " + CLI::detail::join(imu_names(), ", "))
+                         ->capture_default_str();
+  CLI::Option* layout =
+      command->add_option("--layout", options.layout, "One of: " + CLI::detail::join(layout_names(), ", "))
+          ->capture_default_str();
+  CLI::Option* real = command->add_option("--real-imu", options.real_imu,
+                                          "Recording in the EuRoC layout: images of a hall along its true path, beside "
+                                          "its IMU samples");
+  for (CLI::Option* other : {scene, laps, stop, imu, layout}) real->excludes(other);
+  command->add_option("--calibration", options.calibration, "Of the camera, where the recording has none")->needs(real);
+  command->add_option("--start", options.start_s, "Begin in that recording [s]")
+      ->check(number_from(0, longest_s, "s"))
+      ->needs(real);
 }
 
 void add_faults(CLI::App& app, FaultOptions& options) {

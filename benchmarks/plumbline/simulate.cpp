@@ -3,7 +3,9 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <stdexcept>
+#include <variant>
 
 #include <opencv2/imgcodecs.hpp>
 
@@ -12,8 +14,12 @@
 #include "nearest.hpp"
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/camera/radtan.hpp"
+#include "plumbline/io/calibration.hpp"
+#include "plumbline/io/make_camera.hpp"
 #include "plumbline/io/output_file.hpp"
+#include "plumbline/io/text.hpp"
 #include "plumbline/testing/frame_drops.hpp"
+#include "plumbline/testing/recorded_path.hpp"
 #include "plumbline/testing/rig.hpp"
 #include "plumbline/testing/scenes.hpp"
 #include "plumbline/testing/simulated_camera.hpp"
@@ -63,7 +69,6 @@ const Imager<Pinhole<double>> rgbd_imager{{536.2, 535.8, 321.4, 245.7}, 640, 480
 const Imager<Pinhole<double, RadTan>> mono_imager{
     {458.6, 457.4, 367.1, 248.2, {-0.2834, 0.07396, 1.94e-4, 1.76e-5}}, 752, 480};
 
-TimeNs frame_time_ns(int frame) { return t_start_ns + TimeNs(frame) * (1'000'000'000 / camera_rate_hz); }
 std::string seconds(TimeNs t_ns) {
   return format("%lld.%09lld", static_cast<long long>(t_ns / 1'000'000'000),
                 static_cast<long long>(t_ns % 1'000'000'000));
@@ -108,6 +113,28 @@ struct InertialText {
       "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], "
       "v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], b_w_RS_S_x [rad s^-1], b_w_RS_S_y [rad s^-1], "
       "b_w_RS_S_z [rad s^-1], b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]\n";
+
+  void add(const ImuSample& s) {
+    const auto columns = [&](char separator) {
+      std::string text;
+      for (const Vec<double, 3>& x : {s.gyro, s.accel}) {
+        for (int k = 0; k < 3; ++k) text += format("%c%.12g", separator, x[k]);
+      }
+      return text + "\n";
+    };
+    imu += std::to_string(s.t_ns) + columns(',');
+    imu_in_seconds += seconds(s.t_ns) + columns(' ');
+  }
+
+  /// `rates`: velocity, bias of the gyroscope, bias of the accelerometer.
+  void add(TimeNs t_ns, const SE3<double>& T_world_body, const std::array<Vec<double, 3>, 3>& rates) {
+    const Eigen::Quaternion<double>& q = T_world_body.rotation().quaternion();
+    const Vec<double, 3>& p = T_world_body.p();
+    states += std::to_string(t_ns) +
+              format(",%.9f,%.9f,%.9f,%.12f,%.12f,%.12f,%.12f", p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
+    for (const Vec<double, 3>& x : rates) states += format(",%.9f,%.9f,%.9f", x.x(), x.y(), x.z());
+    states += "\n";
+  }
 };
 
 InertialText simulate_imu(const Trajectory& trajectory, const ImuQuality& quality, std::uint64_t seed, int samples) {
@@ -116,23 +143,8 @@ InertialText simulate_imu(const Trajectory& trajectory, const ImuQuality& qualit
   for (int i = 0; i < samples; ++i) {
     const SimulatedImu::Measurement r = imu.next(trajectory);
     const ImuSample s = r.sample(t_start_ns);
-    const auto columns = [&](char separator) {
-      std::string text;
-      for (const Vec<double, 3>& x : {s.gyro, s.accel}) {
-        for (int k = 0; k < 3; ++k) text += format("%c%.12g", separator, x[k]);
-      }
-      return text + "\n";
-    };
-    out.imu += std::to_string(s.t_ns) + columns(',');
-    out.imu_in_seconds += seconds(s.t_ns) + columns(' ');
-    const Eigen::Quaternion<double>& q = r.motion.T_world_body.rotation().quaternion();
-    const Vec<double, 3>& p = r.motion.T_world_body.p();
-    out.states += std::to_string(s.t_ns) +
-                  format(",%.9f,%.9f,%.9f,%.12f,%.12f,%.12f,%.12f", p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
-    for (const Vec<double, 3>& x : {r.motion.v_world_body, r.gyro_bias, r.accel_bias}) {
-      out.states += format(",%.9f,%.9f,%.9f", x.x(), x.y(), x.z());
-    }
-    out.states += "\n";
+    out.add(s);
+    out.add(s.t_ns, r.motion.T_world_body, {r.motion.v_world_body, r.gyro_bias, r.accel_bias});
   }
   return out;
 }
@@ -147,18 +159,22 @@ std::string noise_yaml(const ImuNoise& noise, const char* indent) {
       noise.accel_walk);
 }
 
+/// A camera on a path through a scene, and what the IMU beside it measures.
+template <class Path>
 struct Recording {
   SimulateOptions options;
   Scene scene;
-  Trajectory trajectory;
-  ImuQuality imu;
+  Path path;
+  SE3<double> T_body_camera;
+  InertialText inertial;
+  std::optional<ImuNoise> imu;  ///< nothing: no IMU in the recording
+  TimeNs start_ns;              ///< of the first frame, t = 0 of the path
   int frames;
   std::vector<bool> kept = frames_kept(frames, options.drop, longest_drop, options.seed);
 
-  bool has_imu() const { return options.imu != "none"; }
+  TimeNs frame_time_ns(int frame) const { return start_ns + TimeNs(frame) * (1'000'000'000 / camera_rate_hz); }
   /// Of an image; truth and IMU samples have their own.
   TimeNs stamp_ns(int frame) const { return frame_time_ns(frame) + std::llround(1e9 * options.late_s); }
-  InertialText inertial() const { return simulate_imu(trajectory, imu, options.seed, frames * imu_per_frame + 1); }
 
   /// Calls `use(frame)` for every frame that is there.
   template <class Use>
@@ -173,19 +189,19 @@ struct Recording {
   void film(const Imager<Model>& imager, Write&& write) const {
     CameraEffects effects;
     effects.readout_s = options.readout_s;
-    SimulatedCamera sensor(Renderer(scene, imager.camera, imager.width, imager.height), simulated_T_body_camera(),
-                           effects, options.seed);
-    Progress progress("simulate " + options.scene, static_cast<std::size_t>(frames));
+    SimulatedCamera sensor(Renderer(scene, imager.camera, imager.width, imager.height), T_body_camera, effects,
+                           options.seed);
+    Progress progress("simulate", static_cast<std::size_t>(frames));
     for_each_frame([&](int i) {
       SimulatedCamera::Frame frame =
-          sensor.frame(trajectory, i / static_cast<double>(camera_rate_hz), static_cast<std::uint64_t>(i));
+          sensor.frame(path, i / static_cast<double>(camera_rate_hz), static_cast<std::uint64_t>(i));
       write(stamp_ns(i), frame);
       progress.show(static_cast<std::size_t>(i + 1));
     });
   }
 };
 
-void write_tum(const Recording& recording) {
+void write_tum(const Recording<Trajectory>& recording) {
   const fs::path& out = recording.options.out;
   fs::create_directories(out / "rgb");
   fs::create_directories(out / "depth");
@@ -196,10 +212,9 @@ void write_tum(const Recording& recording) {
     write_image(out / "depth" / image_name(stamp_ns), depth_mat(frame));
   });
 
-  const InertialText inertial = recording.inertial();
-  write_text(out / "groundtruth_body.csv", inertial.states);
-  if (recording.has_imu()) {
-    write_text(out / "imu.csv", "#timestamp [s] wx wy wz ax ay az\n" + inertial.imu_in_seconds);
+  write_text(out / "groundtruth_body.csv", recording.inertial.states);
+  if (recording.imu) {
+    write_text(out / "imu.csv", "#timestamp [s] wx wy wz ax ay az\n" + recording.inertial.imu_in_seconds);
   }
   write_text(
       out / "calibration.yaml",
@@ -209,18 +224,17 @@ void write_tum(const Recording& recording) {
           "depth:\n  scale: 1000                     # meters = value / scale; 0 = no measurement\n"
           "T_body_camera:                  # row-major 4x4, maps camera coordinates into body (= IMU) coordinates\n  ",
           camera.fx, camera.fy, camera.cx, camera.cy, imager.width, imager.height, camera_rate_hz) +
-          matrix_rows(simulated_T_body_camera()) +
-          (recording.has_imu() ? "imu:\n" + noise_yaml(recording.imu.noise, "  ") : ""));
+          matrix_rows(recording.T_body_camera) + (recording.imu ? "imu:\n" + noise_yaml(*recording.imu, "  ") : ""));
 
   std::string truth = "# true poses of the camera\n# timestamp tx ty tz qx qy qz qw\n", gray = "# timestamp filename\n";
   std::string depth = gray;
   recording.for_each_frame([&](int i) {
     const TimeNs stamp_ns = recording.stamp_ns(i);
     const SE3<double> T =
-        recording.trajectory.at(i / static_cast<double>(camera_rate_hz)).T_world_body * simulated_T_body_camera();
+        recording.path.at(i / static_cast<double>(camera_rate_hz)).T_world_body * recording.T_body_camera;
     const Eigen::Quaternion<double>& q = T.rotation().quaternion();
-    truth += seconds(frame_time_ns(i)) + format(" %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n", T.p().x(), T.p().y(),
-                                                T.p().z(), q.x(), q.y(), q.z(), q.w());
+    truth += seconds(recording.frame_time_ns(i)) + format(" %.9f %.9f %.9f %.12f %.12f %.12f %.12f\n", T.p().x(),
+                                                          T.p().y(), T.p().z(), q.x(), q.y(), q.z(), q.w());
     gray += seconds(stamp_ns) + " rgb/" + image_name(stamp_ns) + "\n";
     depth += seconds(stamp_ns) + " depth/" + image_name(stamp_ns) + "\n";
   });
@@ -229,32 +243,32 @@ void write_tum(const Recording& recording) {
   write_text(out / "rgb.txt", gray);  // last: what makes the folder a recording
 }
 
-void write_euroc(const Recording& recording) {
+template <class Path>
+void write_euroc(const Recording<Path>& recording, const Imager<Pinhole<double, RadTan>>& full_imager) {
   const fs::path mav = recording.options.out / "mav0", images = mav / "cam0" / "data";
   fs::create_directories(images);
-  const auto imager = mono_imager.resized(recording.options.size);
+  const auto imager = full_imager.resized(recording.options.size);
   const auto& camera = imager.camera;
   recording.film(imager, [&](TimeNs stamp_ns, SimulatedCamera::Frame& frame) {
     write_image(images / image_name(stamp_ns), gray_mat(frame));
   });
 
-  const InertialText inertial = recording.inertial();
   const auto pose_yaml = [](const SE3<double>& T) { return "T_BS:\n  cols: 4\n  rows: 4\n  data: " + matrix_rows(T); };
   const fs::path truth = mav / "state_groundtruth_estimate0", imu = mav / "imu0";
   fs::create_directories(truth);
   write_text(truth / "sensor.yaml", "sensor_type: visual-inertial\n" + pose_yaml({}));
-  write_text(truth / "data.csv", inertial.states);
-  if (recording.has_imu()) {
+  write_text(truth / "data.csv", recording.inertial.states);
+  if (recording.imu) {
     fs::create_directories(imu);
-    write_text(imu / "sensor.yaml", "sensor_type: imu\n" + pose_yaml({}) + noise_yaml(recording.imu.noise, ""));
+    write_text(imu / "sensor.yaml", "sensor_type: imu\n" + pose_yaml({}) + noise_yaml(*recording.imu, ""));
     write_text(imu / "data.csv",
                "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],"
                "a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n" +
-                   inertial.imu);
+                   recording.inertial.imu);
   }
   const RadTan<double>& lens = camera.distortion;
   write_text(mav / "cam0" / "sensor.yaml",
-             "sensor_type: camera\n" + pose_yaml(simulated_T_body_camera()) +
+             "sensor_type: camera\n" + pose_yaml(recording.T_body_camera) +
                  format("rate_hz: %d\nresolution: [%d, %d]\ncamera_model: pinhole\n"
                         "intrinsics: [%g, %g, %g, %g] #fu, fv, cu, cv\ndistortion_model: radial-tangential\n"
                         "distortion_coefficients: [%g, %g, %g, %g]\n",
@@ -273,6 +287,111 @@ ImuQuality imu_quality(const std::string& name) {
   throw Misuse(unknown_name("IMU", name, imu_names()));
 }
 
+void make_folder(const fs::path& out) {
+  if (fs::exists(out) && !(fs::is_directory(out) && fs::is_empty(out))) {
+    throw std::runtime_error(out.string() + ": exists and is not an empty folder");
+  }
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (error) throw std::runtime_error(out.string() + ": cannot be made: " + error.message());
+}
+
+/// The camera of a calibration, which the layout `euroc` can state.
+Imager<Pinhole<double, RadTan>> imager_of(const io::CameraCalibration& camera, const fs::path& file) {
+  const auto model = io::make_camera<double>(camera);
+  const auto* pinhole = std::get_if<Pinhole<double, RadTan>>(&model.model());
+  if (!pinhole) throw std::runtime_error(file.string() + ": not a pinhole camera with distortion radtan");
+  return {*pinhole, camera.width, camera.height};
+}
+
+Vec<double, 3> vector_in_columns(const io::RowReader& row, std::size_t i) {
+  return {row.number(i), row.number(i + 1), row.number(i + 2)};
+}
+
+/// A row of the true states of the EuRoC layout.
+struct TrueState {
+  TimeNs t_ns;
+  SE3<double> T_world_body;
+  std::array<Vec<double, 3>, 3> rates;  ///< velocity, bias of the gyroscope, bias of the accelerometer
+};
+
+std::vector<TrueState> read_true_states(const fs::path& file) {
+  std::vector<TrueState> out;
+  for (io::RowReader row(file); row.next();) {
+    row.require_size(17);
+    const Eigen::Quaterniond q(row.number(4), row.number(5), row.number(6), row.number(7));
+    out.push_back({row.time_in_nanoseconds(),
+                   SE3<double>(SO3<double>(q), vector_in_columns(row, 1)),
+                   {vector_in_columns(row, 8), vector_in_columns(row, 11), vector_in_columns(row, 14)}});
+  }
+  if (out.size() < 2) throw std::runtime_error(file.string() + ": fewer than two states");
+  return out;
+}
+
+/// Says where the true positions jump: there the images show a motion that no IMU sample has.
+void note_largest_jump(const std::vector<TrueState>& states, TimeNs first_ns) {
+  constexpr double largest_m = 2e-3;  // a tenth of what a corner moves by a pixel at 5 m
+  double largest = 0, at_s = 0;
+  for (std::size_t i = 1; i < states.size(); ++i) {
+    const TrueState &a = states[i - 1], &b = states[i];
+    const Vec<double, 3> expected = 0.5e-9 * double(b.t_ns - a.t_ns) * (a.rates[0] + b.rates[0]);
+    const double jump = (b.T_world_body.p() - a.T_world_body.p() - expected).norm();
+    if (jump > largest) largest = jump, at_s = 1e-9 * double(b.t_ns - first_ns);
+  }
+  if (largest > largest_m)
+    std::fprintf(stderr, "plumbline: note: the true positions jump, by %.3f m at %.2f s; the images jump with them\n",
+                 largest, at_s);
+}
+
+/// Images along the path of a recorded flight, beside its real IMU samples.
+int simulate_real_imu(const SimulateOptions& options) {
+  constexpr double clearance = 2.5;  // [m] from the path to walls and ceiling; half of it to the floor
+  const fs::path mav = options.real_imu / "mav0";
+  const fs::path camera_file = options.calibration.empty() ? mav / "cam0" / "sensor.yaml" : options.calibration;
+  if (!fs::exists(camera_file))
+    throw std::runtime_error(camera_file.string() + ": no such file; --calibration names that of the camera");
+  const io::Calibration calibration = io::read_calibration(camera_file, mav / "imu0" / "sensor.yaml");
+  if (!calibration.T_body_camera) throw std::runtime_error(camera_file.string() + ": states no pose of the camera");
+  const auto imager = imager_of(calibration.camera, camera_file);
+
+  std::vector<TrueState> states = read_true_states(mav / "state_groundtruth_estimate0" / "data.csv");
+  const TimeNs first_ns = states.front().t_ns, begin_ns = first_ns + TimeNs(std::llround(1e9 * options.start_s));
+  const TimeNs last_ns = std::min(states.back().t_ns, begin_ns + TimeNs(std::llround(1e9 * options.duration_s)));
+  const int frames = static_cast<int>(double(last_ns - begin_ns) * 1e-9 * camera_rate_hz);
+  if (frames < 1) throw Misuse(format("--start %g: the true states end before", options.start_s));
+  const auto is_used = [&](TimeNs t_ns) { return t_ns >= begin_ns && t_ns <= last_ns; };
+  std::erase_if(states, [&](const TrueState& state) { return !is_used(state.t_ns); });
+  if (states.size() < 2) throw Misuse(format("--duration %g: fewer than two true states", options.duration_s));
+  note_largest_jump(states, first_ns);
+
+  std::vector<RecordedPath::Sample> samples;
+  samples.reserve(states.size());
+  for (const TrueState& state : states) samples.push_back({state.t_ns, state.T_world_body});
+  RecordedPath path(std::move(samples), begin_ns);
+  const RecordedPath::Bounds bounds = path.bounds();
+  const Vec<double, 3> middle = 0.5 * (bounds.min + bounds.max), half = 0.5 * (bounds.max - bounds.min);
+  const Vec<double, 3> offset(-middle.x(), -middle.y(), 0.5 * clearance - bounds.min.z());
+  path.shift(offset);
+
+  InertialText inertial;
+  for (const TrueState& state : states) {
+    const SE3<double>& T = state.T_world_body;
+    inertial.add(state.t_ns, SE3<double>(T.rotation(), T.p() + offset), state.rates);
+  }
+  for (io::RowReader row(mav / "imu0" / "data.csv"); row.next();) {
+    row.require_size(7);
+    const TimeNs t_ns = row.time_in_nanoseconds();
+    if (is_used(t_ns)) inertial.add({t_ns, vector_in_columns(row, 1), vector_in_columns(row, 4)});
+  }
+  make_folder(options.out);
+  const Scene hall =
+      make_hall(half.x() + clearance, half.y() + clearance, 2 * half.z() + 1.5 * clearance, options.seed);
+  write_euroc(Recording<RecordedPath>{options, hall, path, *calibration.T_body_camera, inertial, calibration.imu,
+                                      begin_ns, frames},
+              imager);
+  return 0;
+}
+
 }  // namespace
 
 std::vector<std::string> scene_names() { return {testing::scene_names.begin(), testing::scene_names.end()}; }
@@ -287,6 +406,7 @@ std::vector<std::string> imu_names() {
 std::vector<std::string> layout_names() { return {"tum", "euroc"}; }
 
 int run_simulate(const SimulateOptions& options) {
+  if (!options.real_imu.empty()) return simulate_real_imu(options);
   const std::optional<Scene> scene = make_scene(options.scene, options.seed);
   std::optional<Trajectory> trajectory = Trajectory::for_scene(options.scene, options.seed);
   if (!scene || !trajectory) throw Misuse(unknown_name("scene", options.scene, ::scene_names()));
@@ -302,14 +422,16 @@ int run_simulate(const SimulateOptions& options) {
   if (!(duration_s >= 1.0 / camera_rate_hz && duration_s <= longest_s)) {
     throw Misuse(format("duration %g s: must be between one frame and one hour", duration_s));
   }
-  if (fs::exists(options.out) && !(fs::is_directory(options.out) && fs::is_empty(options.out))) {
-    throw std::runtime_error(options.out.string() + ": exists and is not an empty folder");
-  }
-  std::error_code error;
-  fs::create_directories(options.out, error);
-  if (error) throw std::runtime_error(options.out.string() + ": cannot be made: " + error.message());
+  make_folder(options.out);
   const int frames = static_cast<int>(std::lround(duration_s * camera_rate_hz));
-  const Recording recording{options, *scene, *trajectory, imu, frames};
-  options.layout == "tum" ? write_tum(recording) : write_euroc(recording);
+  const Recording<Trajectory> recording{options,
+                                        *scene,
+                                        *trajectory,
+                                        simulated_T_body_camera(),
+                                        simulate_imu(*trajectory, imu, options.seed, frames * imu_per_frame + 1),
+                                        options.imu == "none" ? std::nullopt : std::optional(imu.noise),
+                                        t_start_ns,
+                                        frames};
+  options.layout == "tum" ? write_tum(recording) : write_euroc(recording, mono_imager);
   return 0;
 }

@@ -155,9 +155,8 @@ inline Scene make_corridor(std::uint32_t seed) {
   return scene;
 }
 
-/// A sports hall of 30 m x 20 m x 8 m: banners, windows, doors and boxes along its walls.
-inline Scene make_hall(std::uint32_t seed) {
-  constexpr double hx = 15, hy = 10, height = 8;
+/// A sports hall of 2 hx by 2 hy: banners, windows, doors and boxes along its walls.
+inline Scene make_hall(std::uint32_t seed, double hx = 15, double hy = 10, double height = 8) {
   Scene scene;
   Furnisher add(scene, seed, true);
   add_floor_and_ceiling(scene, hx, hy, height, add.material(Pattern::parquet, 0.42f, 0.5f),
@@ -185,11 +184,20 @@ inline Scene make_hall(std::uint32_t seed) {
   return scene;
 }
 
+inline std::uint32_t surface_seed_of(std::uint64_t seed) {
+  return hash(static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), 1);
+}
+
 }  // namespace detail
+
+/// The hall in another size: 2 hx by 2 hy by height [m].
+inline Scene make_hall(double hx, double hy, double height, std::uint64_t seed) {
+  return detail::make_hall(detail::surface_seed_of(seed), hx, hy, height);
+}
 
 /// The scene of that name, its surfaces varied by the seed; nothing when the name is unknown.
 inline std::optional<Scene> make_scene(std::string_view name, std::uint64_t seed = 1) {
-  const std::uint32_t surface_seed = hash(static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32), 1);
+  const std::uint32_t surface_seed = detail::surface_seed_of(seed);
   if (name == "room") return detail::make_room(surface_seed, true);
   if (name == "room_lowtex") return detail::make_room(surface_seed, false);
   if (name == "boards") return detail::make_boards(surface_seed);

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "plumbline/image/image_view.hpp"
+#include "plumbline/lie/se3.hpp"
 #include "plumbline/testing/gaussian.hpp"
 #include "plumbline/testing/renderer.hpp"
-#include "plumbline/testing/trajectory.hpp"
 
 namespace plumbline::testing {
 
@@ -56,8 +56,9 @@ class SimulatedCamera {
   SimulatedCamera(Renderer renderer, const SE3<double>& T_body_camera, const CameraEffects& effects, std::uint64_t seed)
       : renderer_(std::move(renderer)), T_body_camera_(T_body_camera), effects_(effects), seed_(seed) {}
 
-  /// Frame number `i` at time t [s] of the trajectory.
-  Frame frame(const Trajectory& trajectory, double t, std::uint64_t i) {
+  /// Frame number `i` at time t [s] of a path (Trajectory, RecordedPath).
+  template <class Path>
+  Frame frame(const Path& trajectory, double t, std::uint64_t i) {
     const int width = renderer_.width(), height = renderer_.height();
     Image<float> light(width, height), z(width, height);
     if (effects_.exposure_time_s > 0) {
@@ -85,7 +86,8 @@ class SimulatedCamera {
   Renderer& renderer() { return renderer_; }
 
  private:
-  void expose(const Trajectory& trajectory, double t, Image<float>& light, Image<float>& z) {
+  template <class Path>
+  void expose(const Path& trajectory, double t, Image<float>& light, Image<float>& z) {
     const auto T_world_cam = [&](double at) { return trajectory.at(at).T_world_body * T_body_camera_; };
     if (!(effects_.readout_s > 0)) return renderer_.render(T_world_cam(t), light.view(), z.view());
     const double row_s = effects_.readout_s / renderer_.height(), top = t + 0.5 * (row_s - effects_.readout_s);
