@@ -18,7 +18,9 @@ json json_of_counts(const MapSummary& map) {
           {"rejected_as_ambiguous", n.rejected_as_ambiguous},
           {"loops", n.loops},
           {"corrections", n.corrections},
-          {"relocalizations", n.relocalizations}};
+          {"relocalizations", n.relocalizations},
+          {"frames_asked", n.frames_asked},
+          {"frames_found", n.frames_found}};
 }
 
 json json_of_points(const io::MapContents& map, std::size_t most, const pl::Sim3<double>& S_out_map) {

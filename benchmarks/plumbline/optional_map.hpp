@@ -37,6 +37,16 @@ struct OptionalMap {
     void work() {
       if (map_) measure(stage_of(map_->stage()), [&] { map_->work(); });
     }
+    bool find_frame(const auto& view, const plumbline::SO3<S>& R_cur_prev, auto& found) requires
+        requires(Kept::MapOf<Sensors>& map) {
+      map.find_frame(view, R_cur_prev, found);
+    }
+    {
+      if (!map_) return false;
+      bool is_found = false;
+      measure(&MapTiming::query, [&] { is_found = map_->find_frame(view, R_cur_prev, found); });
+      return is_found;
+    }
     plumbline::Sim3<S> S_map_world() const { return map_ ? map_->S_map_world() : plumbline::Sim3<S>(); }
     /// nullptr without a map.
     const Kept::MapOf<Sensors>* get() const { return map_.get(); }

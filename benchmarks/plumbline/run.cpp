@@ -76,9 +76,9 @@ std::string summary_of(const MapSummary& map) {
   return format(
       "map: %d keyframes (%d evicted), %d places recognized of %d queries, %d loops, %d relocalizations, "
       "%d corrections; refused: %d by the odometry, %d by gravity, "
-      "%d as ambiguous; %d points found again, %d local adjustments",
+      "%d as ambiguous; %d points found again, %d local adjustments; %d of %d single frames found",
       map.keyframes, n.evicted, n.verified, n.queries, n.loops, n.relocalizations, n.corrections, n.rejected_by_gate,
-      n.rejected_by_tilt, n.rejected_as_ambiguous, n.recalled, n.adjustments);
+      n.rejected_by_tilt, n.rejected_as_ambiguous, n.recalled, n.adjustments, n.frames_found, n.frames_asked);
 }
 
 }  // namespace

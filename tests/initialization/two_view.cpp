@@ -52,6 +52,7 @@ TEMPLATE_TEST_CASE("two_view: a second view from aside is found, a fifth of the 
     REQUIRE((report.inliers > 0.8 && report.inliers <= 1));
     const SE3<S> T_2_1 = start.T_1_2().inverse();
     REQUIRE(double(T_2_1.p().norm()) == Approx(0.2));
+    REQUIRE(double(start.T_1_2(S(0.7)).p().norm()) == Approx(0.7));  // where it is known
     REQUIRE(scene.rotation_error(T_2_1) < 0.01);
     REQUIRE(scene.direction_error(T_2_1) < 0.1);
   }

@@ -7,6 +7,7 @@ const counts = {
   keyframes: 'Keyframes', evicted: 'Keyframes evicted', worlds: 'Worlds', features: 'Features', points: 'Features with a position', queries: 'Queries', verified: 'Places verified',
   rejected_by_gate: 'Refused by the odometry', rejected_by_tilt: 'Refused by gravity', rejected_as_ambiguous: 'Refused as ambiguous',
   loops: 'Loops', corrections: 'Corrections', relocalizations: 'Relocalizations',
+  frames_asked: 'Single frames sought', frames_found: 'Single frames found',
 };
 const trajectories = ['truth', 'odometry', 'causal', 'final'];
 

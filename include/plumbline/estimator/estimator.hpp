@@ -18,6 +18,7 @@
 #include "plumbline/estimator/components.hpp"
 #include "plumbline/estimator/composition.hpp"
 #include "plumbline/estimator/estimate.hpp"
+#include "plumbline/estimator/frame_in_map.hpp"
 #include "plumbline/estimator/frame_tracker.hpp"
 #include "plumbline/estimator/keyframe_task.hpp"
 #include "plumbline/estimator/keyframe_window.hpp"
@@ -97,7 +98,10 @@ class Estimator {
         track(view, predicted, previous_keyframe, stage);
         initialization_.verify_scale(view, motion_, report_.is_inconsistent);
       } else {
-        initialization_.find_second_view(view, predicted.state, components());
+        (void)in_map_.find(view, window_.map(), predicted.state.T_world_body);
+        initialization_.find_second_view(view, predicted.state,
+                                         S(in_map_.distance_from(initialization_.first_view_ns())), components());
+        if (!status_.has_landmarks()) find_in_map(view);
       }
     }
     navigation_.set_time(view.t_ns);
@@ -257,7 +261,8 @@ class Estimator {
             ? outage_.propagate(view, failure, predicted, tracker_, window_, motion_, navigation_, report_)
             : outage_.hold(view, failure, initialization_.lost_frame_limit(max_lost_frames_), tracker_, window_,
                            navigation_, report_);
-    if (!is_bridged) reset(view, TrackingEvent::outage_too_long);
+    if (!is_bridged) return reset(view, TrackingEvent::outage_too_long);
+    if (failure != HealthReason::images_repeat) find_in_map(view);
   }
 
   /// Begins a new initialization with this frame, at the pose of the navigation state.
@@ -269,11 +274,22 @@ class Estimator {
     initialize(view);
   }
   void initialize(const View<Sensors>& view) {
-    if (!Motion::has_imu_factors && status_.resets() > 0) {
+    const bool is_in_map = in_map_.find(view, window_.map(), window_.frames().latest().T_world_body);
+    if (is_in_map) {
+      in_map_.begin_at(view, window_.frames(), navigation_);
+      initialization_.mark_lost(window_.frames(), navigation_);
+    } else if (!Motion::has_imu_factors && status_.resets() > 0) {
       outage_.inflate(view, tracker_, navigation_);
       initialization_.mark_lost(window_.frames(), navigation_);
     }
     initialization_.set_first_view(view, components());
+    if (is_in_map) in_map_.apply(navigation_, report_);
+  }
+  /// The pose of a frame that the window has none for, by the map. A first view that is not in the map is replaced.
+  void find_in_map(const View<Sensors>& view) {
+    if (!in_map_.find(view, window_.map(), window_.frames().latest().T_world_body)) return;
+    if (!status_.has_landmarks() && !in_map_.has_begun_at(initialization_.first_view_ns())) return initialize(view);
+    in_map_.apply(navigation_, report_);
   }
 
   /// Adds inflation for unmodeled error to the uncertainty of the world frame: the rotation that a gyroscope bias jump
@@ -296,6 +312,7 @@ class Estimator {
   Navigation<S, typename Motion::Layout> navigation_;
   Initialization<Parts> initialization_;
   Outage<Parts, Map> outage_;
+  [[no_unique_address]] FrameInMap<Parts, Map> in_map_;
   TrackingStatus status_;
   FrameReport report_;
   Publisher<S> publisher_;

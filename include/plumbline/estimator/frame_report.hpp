@@ -12,9 +12,10 @@ struct FrameReport {
   HealthReason reason = HealthReason::none;
   /// Whether images and IMU contradict each other, whatever the reason is.
   bool is_inconsistent = false;
-  /// Before initialization: the pose is metric nevertheless, that of a stationary body, or of an uncertain scale.
+  /// Before initialization: there is a pose nevertheless, metric of a stationary body or of an uncertain scale, or that
+  /// of the map.
   bool has_metric_pose = false;
-  /// In an outage: the pose is held or propagated, and for no longer than the estimator bridges.
+  /// In an outage: the pose is held or propagated, and for no longer than the estimator bridges; or it is the map's.
   bool is_bridged = false;
 };
 

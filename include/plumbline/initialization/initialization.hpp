@@ -45,6 +45,8 @@ class Initialization {
   }
 
   const InitReport& report() const { return report_; }
+  /// Time of the first view [ns].
+  TimeNs first_view_ns() const { return first_view_ns_; }
 
   /// Updates the verification of the scale after the initialization of a rig without depth.
   void verify_scale(const View<Sensors>& view, const Motion& motion, bool is_inconsistent) {
@@ -116,8 +118,9 @@ class Initialization {
     start_series(view, on);
   }
 
-  /// Tracks the corners of the first view until the parallax to the frame suffices for a second view.
-  void find_second_view(const View<Sensors>& view, const State& predicted, auto&& on) {
+  /// Tracks the corners of the first view until the parallax to the frame suffices for a second view. `distance` is that
+  /// of the frame from the first view, where a map knows it, else 0.
+  void find_second_view(const View<Sensors>& view, const State& predicted, S distance, auto&& on) {
     if constexpr (Initializer::needs_second_view) {
       auto& initializer = initializer_.visual();
       auto& frames = on.window.frames();
@@ -147,7 +150,7 @@ class Initialization {
       const SO3<S> R_world_first = T_world_first.rotation() * view.T_body_cam.rotation();
       const SO3<S> R_2_1 = (x.T_world_body.rotation() * view.T_body_cam.rotation()).inverse() * R_world_first;
       if (!initializer.solve(R_2_1, report_)) return;
-      x.T_world_body = T_world_first * view.T_body_cam * initializer.T_1_2() * view.T_body_cam.inverse();
+      x.T_world_body = T_world_first * view.T_body_cam * initializer.T_1_2(distance) * view.T_body_cam.inverse();
       frames.set_latest(x);
       on.tracker.locate(view, frames, landmarks);
       on.window.accept_latest(on.motion, on.navigation, on.report);

@@ -96,10 +96,11 @@ class TwoViewInitializer {
     return true;
   }
 
-  /// The second camera in coordinates of the first. The unit of length is five times the distance of the two views, so
-  /// that most points are at a distance of some units.
-  SE3<S> T_1_2() const {
-    constexpr S distance = S(0.2);  // of the two views; numerics: inverse ranges of about one
+  /// The second camera in coordinates of the first, at that distance. Where it is not known (0), the unit of length is
+  /// five times the distance of the two views, so that most points are at a distance of some units.
+  SE3<S> T_1_2(S distance = S(0)) const {
+    constexpr S as_unit = S(0.2);  // numerics: inverse ranges of about one
+    if (!(distance > S(0))) distance = as_unit;
     const SE3<S> T_1_2 = T_2_1_.inverse();
     return SE3<S>(T_1_2.rotation(), Vec<S, 3>(distance * T_1_2.p()));
   }

@@ -9,6 +9,7 @@
 /// verify:   pose in the older keyframe (place_pose.hpp); chi-square test against the odometry (loop_gate.hpp), and
 ///           against gravity; two keyframes in a row agree
 /// solve:    pose graph (pose_graph_solver.hpp): heading and position with an IMU, SE(3) with depth, else Sim(3)
+/// Frames without a pose of their own are found in the map one by one (frame_localizer.hpp), of rigs without an IMU.
 /// A map may be saved and taken in by another run (place_archive.hpp), which extends it, or only finds itself in it
 /// (map_localizer.hpp). Query, each candidate, and slices of the solution are done one a frame, chosen by counts: the
 /// same input gives the same output.
@@ -26,6 +27,8 @@
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/lie/sim3.hpp"
+#include "plumbline/map/found_frame.hpp"
+#include "plumbline/map/frame_localizer.hpp"
 #include "plumbline/map/hamming_place_index.hpp"
 #include "plumbline/map/keyframe_map_counts.hpp"
 #include "plumbline/map/keyframe_map_options.hpp"
@@ -63,7 +66,11 @@ class KeyframeMapCore {
   using Points = std::conditional_t<has_points, MapPoints<Places, MaxPoints>, NoMapPoints>;
 
   explicit KeyframeMapCore(const KeyframeMapOptions& options)
-      : options_(options), places_(options.graph), finder_(options), adjustment_(options.neighborhood) {}
+      : options_(options),
+        places_(options.graph),
+        finder_(options),
+        frames_(options.frames),
+        adjustment_(options.neighborhood) {}
 
   const Places& places() const { return places_; }
   const KeyframeMapCounts& counts() const { return counts_; }
@@ -87,7 +94,9 @@ class KeyframeMapCore {
   /// Keyframes that were taken in, before those of this run.
   int loaded() const { return loaded_; }
   /// Whether the present world has its place in the map that was taken in; true without one.
-  bool is_in_map() const { return loaded_ == 0 || localizer_.is_localized() || is_connected(places_.world()); }
+  bool is_in_map() const {
+    return loaded_ == 0 || is_frame_found_ || localizer_.is_localized() || is_connected(places_.world());
+  }
 
   void set_pose(std::uint32_t id, const SE3<S>& T_world_body) { places_.set_pose(first_id_ + id, T_world_body); }
   void set_covariance(std::uint32_t a, std::uint32_t b, const Mat<S, 6, 6>& covariance) {
@@ -136,6 +145,7 @@ class KeyframeMapCore {
   Stage stage() const { return stage_; }
   /// One slice: a query, a candidate, or a part of the solution.
   void work() {
+    is_frame_found_ = false;
     switch (stage_) {
       case Stage::query: return query();
       case Stage::verify: return verify();
@@ -145,6 +155,32 @@ class KeyframeMapCore {
   }
 
  protected:
+  static constexpr bool finds_frames = !Places::has_gravity;
+
+  auto& begin_frame() { return frames_.begin_frame(); }
+  /// The pose of the frame that was given its features.
+  template <class View>
+  bool find_frame(const View& view, const SO3<S>& R_cur_prev, FoundFrame<S>& found) {
+    if (stage_ == Stage::query) places_.update();
+    bool is_ambiguous = false;
+    const auto* const pose = frames_.find(
+        view, R_cur_prev, places_, index_, options_.pose, options_.common_range_error, options_.min_alias,
+        [this](const Keyframe& keyframe) { return can_be_recognized(keyframe); }, is_ambiguous);
+    ++counts_.frames_asked;
+    counts_.rejected_as_ambiguous += is_ambiguous;
+    if (!pose || finder_.knows_aliases()) return false;
+    const Sim3<S> S_world_map = S_map_world().inverse();
+    const SE3<S> T_world_cam(S_world_map.rotation() * pose->T_map_cam.rotation(), S_world_map * pose->T_map_cam.p());
+    Mat<S, 6, 6> P = pose->covariance;
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j)
+        P(i, j) *= (i < 3 ? S(1) : S_world_map.scale()) * (j < 3 ? S(1) : S_world_map.scale());
+    found.T_world_body = T_world_cam * view.T_body_cam.inverse();
+    found.covariance = transported(P, T_world_cam, found.T_world_body);
+    found.inliers = pose->inliers;
+    ++counts_.frames_found;
+    return is_frame_found_ = true;
+  }
   Places& mutable_places() { return places_; }
   Points& points() { return points_; }
   void count_recalled(std::size_t points) { counts_.recalled += int(points); }
@@ -335,7 +371,7 @@ class KeyframeMapCore {
   KeyframeMapOptions options_;
   KeyframeMapCounts counts_;
   Stage stage_ = Stage::query;
-  bool is_initialized_ = false, is_unsolved_ = false, is_unadjusted_ = false;
+  bool is_initialized_ = false, is_unsolved_ = false, is_unadjusted_ = false, is_frame_found_ = false;
   int loaded_ = 0;              ///< keyframes of the map that was taken in
   std::uint32_t first_id_ = 0;  ///< before those of this run
   std::uint32_t wanted_ = nothing, asked_ = nothing, world_newest_ = 0;
@@ -348,6 +384,7 @@ class KeyframeMapCore {
   Points points_;
   HammingPlaceIndex<std::size_t(MaxKeyframes), MaxFeatures> index_;
   LoopFinder<Places, MaxFeatures> finder_;
+  std::conditional_t<finds_frames, FrameLocalizer<Places>, NoFrameLocalizer> frames_;
   std::conditional_t<has_points, LocalAdjustment<Places>, NoAdjustment> adjustment_;
   MapLocalizer<Places> localizer_;
   PoseGraphSolver<Graph> solver_;
@@ -376,6 +413,7 @@ struct KeyframeMap {
         : Core(of_sensors(options)),
           is_read_only_(options.localize_only),
           learner_(rig, options),
+          frame_learner_(rig, options),
           recall_(rig, options.recall) {}
 
     void on_keyframe(const auto& keyframe) {
@@ -400,6 +438,11 @@ struct KeyframeMap {
       }
     }
     void on_world_change(const WorldChange<S>& change) { this->change_world(change); }
+    /// See found_frame.hpp.
+    bool find_frame(const auto& view, const SO3<S>& R_cur_prev, FoundFrame<S>& found) requires Core::finds_frames {
+      frame_learner_.learn_frame(view.current, view.depth, this->begin_frame());
+      return Core::find_frame(view, R_cur_prev, found);
+    }
 
    private:
     static Options of_sensors(Options options) {
@@ -435,6 +478,7 @@ struct KeyframeMap {
 
     bool is_read_only_;
     PlaceLearner<Sensors, MaxFeatures> learner_;
+    std::conditional_t<Core::finds_frames, PlaceLearner<Sensors, 2 * MaxFeatures>, NoFrameLocalizer> frame_learner_;
     std::conditional_t<Core::has_points, PointRecall<Sensors, typename Core::Places, MaxFeatures / 2>, NoRecall>
         recall_;
   };

@@ -1,6 +1,7 @@
 #pragma once
 /// Options of a keyframe map.                                                                  docs/math/map.md
 
+#include "plumbline/map/frame_localizer.hpp"
 #include "plumbline/map/local_adjustment.hpp"
 #include "plumbline/map/loop_gate.hpp"
 #include "plumbline/map/place_graph.hpp"
@@ -29,6 +30,7 @@ struct KeyframeMapOptions {
   int agreement_keyframes = 6;    ///< a second loop is to follow within so many keyframes
   int loop_spacing = 4;           ///< keyframes between two loops
   double max_tilt_rad = 0.05;     ///< of a correction, with an IMU; geometry: three sigmas of a tilt of 1 degree
+  FrameLocalizerOptions frames;
   PointRecallOptions recall;
   double same_corner_px = 2;      ///< between a tracked point and one of the map that are the same
   double tracked_sigma_px = 0.5;  ///< of a tracked landmark, where its descriptor is found

@@ -101,6 +101,8 @@ class LoopFinder {
   }
   /// Matches of the last loop that was found: (feature of i, feature of j).
   std::span<const DescriptorMatch> matches() const { return pose_solver_.inliers(); }
+  /// Whether there are places that look alike.
+  bool knows_aliases() const { return aliases_.size() > 0; }
   /// The unit or the axes of the map have changed.
   void forget_aliases() { aliases_.clear(); }
   /// Whether the last verified loop, with the odometry since, predicts this one.

@@ -313,7 +313,7 @@ class PlaceGraph {
     }
   }
   /// Of the features with a range, in the unit of the keyframe's world; 1 without one.
-  static S mean_range(const Keyframe& keyframe) {
+  static S mean_range(const auto& keyframe) {
     S sum = S(0);
     int n = 0;
     for (const PlaceFeature& feature : keyframe.features) {

@@ -78,6 +78,12 @@ class PlaceLearner {
     add_corner_features(keyframe.image, options_.features, orb_);
     for (std::size_t n = before; n < orb_.size(); ++n) add(keyframe.depth, orb_[n], {.uv = orb_[n].uv}, learned);
   }
+  /// Corners alone, of a frame that is no keyframe.
+  void learn_frame(const auto& image, const ImageView<const std::uint16_t>& depth, Keyframe& learned) {
+    orb_.clear();
+    add_corner_features(image, options_.features, orb_);
+    for (const OrbFeature& orb : orb_) add(depth, orb, {.uv = orb.uv}, learned);
+  }
   /// The final ranges of the landmarks anchored in a keyframe that retires.
   static void retire(const auto& retired, Keyframe& keyframe) {
     retired.for_each_landmark([&](const auto& landmark, const auto&) {

@@ -53,20 +53,23 @@ struct PlacePose {
   SE3<S> T_old_current;                        ///< between the cameras, in the unit of the older world
   Mat<S, 6, 6> covariance = zeros<S, 6, 6>();  ///< of its right increment [rad, unit of the older world]
   int matches = 0, inliers = 0;
+  S noise2 = S(1);             ///< mean squared error of the inliers, of that which their sigmas tell
   S log_scale = S(0);          ///< (4), of the unit of the current world in that of the older one
   S log_scale_sigma = S(1e3);  ///< large: not known
 };
 
-/// Work space and result of the verification; one object serves all.
-template <class S, std::size_t N>
+/// Work space and result of the verification; one object serves all. At most N features of the older keyframe, and M of
+/// the current one.
+template <class S, std::size_t N, std::size_t M = N>
 class PlacePoseSolver {
  public:
   using Keyframe = PlaceKeyframe<S, N>;
+  using Current = PlaceKeyframe<S, M>;
   using Correspondences = FixedVector<PoseCorrespondence<S>, N>;
 
   /// Pose of `current` in `old`; `prior` is the pose predicted, the first hypothesis. `vertical`: where not null, the
   /// vertical that an IMU tells in both.
-  const PlacePose<S>& solve(const Keyframe& old, const Keyframe& current, const SE3<S>& prior,
+  const PlacePose<S>& solve(const Keyframe& old, const Current& current, const SE3<S>& prior,
                             const PlacePoseOptions& options, const PlaceVertical<S>* vertical = nullptr) {
     out_ = {};
     take(old, current, options);
@@ -77,6 +80,28 @@ class PlacePoseSolver {
     SE3<S> T = result.T_cam_world.inverse();
     refine(T, S(options.ransac.chi2));
     match_guided(old, current, T, options);
+    return finish(old, current, T, options);
+  }
+  /// The same where the i-th feature of both is the same point.
+  const PlacePose<S>& solve_matched(const Keyframe& old, const Current& current, const SE3<S>& prior,
+                                    const PlacePoseOptions& options) {
+    out_ = {};
+    old_index_.clear();
+    for (std::size_t i = 0; i < old.features.size() && i < current.features.size(); ++i) {
+      matches_[i] = {i, i, 0};
+      old_index_.push_back(i);
+    }
+    out_.matches = int(old_index_.size());
+    if (out_.matches < options.ransac.min_inliers) return out_;
+    const PoseRansacResult<S, N> result = search(old, current, prior, options, nullptr);
+    if (!result.valid) return out_;
+    return finish(old, current, result.T_cam_world.inverse(), options);
+  }
+  /// The matches that the last valid pose agrees with: (feature of the older keyframe, of the current one).
+  std::span<const DescriptorMatch> inliers() const { return {inliers_.data(), inliers_.size()}; }
+
+ private:
+  const PlacePose<S>& finish(const Keyframe& old, const Current& current, SE3<S> T, const PlacePoseOptions& options) {
     if (!refine(T, S(options.ransac.chi2))) return out_;
     find_scale(old, current, T);
     out_.T_old_current = T;
@@ -85,11 +110,7 @@ class PlacePoseSolver {
         out_.inliers >= options.min_inliers && out_.inliers >= options.min_inlier_ratio * out_.matches && T.is_finite();
     return out_;
   }
-  /// The matches that the last valid pose agrees with: (feature of the older keyframe, of the current one).
-  std::span<const DescriptorMatch> inliers() const { return {inliers_.data(), inliers_.size()}; }
-
- private:
-  void take(const Keyframe& old, const Keyframe& current, const PlacePoseOptions& options) {
+  void take(const Keyframe& old, const Current& current, const PlacePoseOptions& options) {
     old_.clear();
     current_.clear();
     old_index_.clear();
@@ -106,7 +127,7 @@ class PlacePoseSolver {
   std::span<DescriptorMatch> room() { return {matches_.data(), matches_.size()}; }
 
   /// The pose that most matches agree with.
-  PoseRansacResult<S, N> search(const Keyframe& old, const Keyframe& current, const SE3<S>& prior,
+  PoseRansacResult<S, N> search(const Keyframe& old, const Current& current, const SE3<S>& prior,
                                 const PlacePoseOptions& options, const PlaceVertical<S>* vertical) {
     fill(old, current);
     if (!vertical) return ransac_pose(correspondences_, prior.inverse(), options.ransac);
@@ -118,7 +139,7 @@ class PlacePoseSolver {
     fill(old, current);
     return result;
   }
-  void fill(const Keyframe& old, const Keyframe& current) {
+  void fill(const Keyframe& old, const Current& current) {
     correspondences_.clear();
     for (int m = 0; m < out_.matches; ++m) {
       const PlaceFeature& a = old.features[old_index_[matches_[std::size_t(m)].first]];
@@ -127,7 +148,7 @@ class PlacePoseSolver {
       correspondences_.push_back({cast_to<S>(b.bearing), cast_to<S>(a.bearing) * S(a.range), S(b.sigma_rad)});
     }
   }
-  void match_guided(const Keyframe& old, const Keyframe& current, const SE3<S>& T, const PlacePoseOptions& options) {
+  void match_guided(const Keyframe& old, const Current& current, const SE3<S>& T, const PlacePoseOptions& options) {
     const SE3<S> T_current_old = T.inverse();
     predicted_.clear();
     for (const std::size_t i : old_index_) {
@@ -148,6 +169,7 @@ class PlacePoseSolver {
       DenseNormalEquations<S, 6> equations;
       Mat<S, 6, 6> A = zeros<S, 6, 6>();
       out_.inliers = 0;
+      S sum = S(0);
       const SE3<S> inverse = T.inverse();
       for (int m = 0; m < out_.matches; ++m) {
         const PoseCorrespondence<S>& c = correspondences_[std::size_t(m)];
@@ -164,6 +186,7 @@ class PlacePoseSolver {
         const S e2 = squared_norm(r) / variance, gate = widening * chi2, w = gate / (gate + e2);
         is_inlier_[std::size_t(m)] = e2 < chi2;
         out_.inliers += e2 < chi2;
+        sum += e2 < chi2 ? e2 : S(0);
         Mat<S, 3, 3> D;
         for (int i = 0; i < 3; ++i)
           for (int j = 0; j < 3; ++j) D(i, j) = (S(i == j) - n[i] * n[j]) / range;
@@ -181,6 +204,7 @@ class PlacePoseSolver {
       if (out_.inliers < 6 || !equations.solve(d) || !all_finite(d)) return false;
       T = plus(T, d);
       information_ = A;
+      out_.noise2 = sum / S(2 * out_.inliers);
     }
     const Result<Mat<S, 6, 6>> L = square_root_information(information_);  // L^T L = information^-1
     if (!L) return false;
@@ -194,7 +218,7 @@ class PlacePoseSolver {
       inliers_.push_back({old_index_[matches_[m].first], matches_[m].second, matches_[m].distance});
     }
   }
-  void find_scale(const Keyframe& old, const Keyframe& current, const SE3<S>& T) {
+  void find_scale(const Keyframe& old, const Current& current, const SE3<S>& T) {
     S weights = S(0), sum = S(0);
     const SE3<S> inverse = T.inverse();
     for (int pass = 0; pass < 3; ++pass) {  // the mean, then without what is far from it
@@ -219,7 +243,8 @@ class PlacePoseSolver {
   }
 
   PlacePose<S> out_;
-  FixedVector<BinaryDescriptor, N> old_, current_;
+  FixedVector<BinaryDescriptor, N> old_;
+  FixedVector<BinaryDescriptor, M> current_;
   FixedVector<std::size_t, N> old_index_;
   FixedVector<Vec<float, 3>, N> predicted_;
   std::array<DescriptorMatch, N> matches_;

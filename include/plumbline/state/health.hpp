@@ -25,6 +25,7 @@ enum class HealthReason : std::uint8_t {
   imu_disagrees,    ///< IMU and images contradict each other: time offset, extrinsics or noise are wrong
   images_repeat,    ///< the image is identical to the previous one while the body moves
   imu_saturated,    ///< IMU samples at the full scale of the sensor
+  map_only,         ///< nothing is tracked: the map recognizes the place of this frame alone
 };
 
 struct Health {
@@ -56,6 +57,7 @@ constexpr const char* name_of(HealthReason reason) {
     case HealthReason::imu_disagrees: return "IMU disagrees";
     case HealthReason::images_repeat: return "images repeat";
     case HealthReason::imu_saturated: return "IMU saturated";
+    case HealthReason::map_only: return "map only";
   }
   return "unknown";
 }
