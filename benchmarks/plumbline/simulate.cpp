@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "format.hpp"
 #include "misuse.hpp"
@@ -92,6 +93,18 @@ cv::Mat depth_mat(SimulatedCamera::Frame& frame) {
   return {view.height, view.width, CV_16U, view.data};
 }
 
+/// The lower part of an image shows the vehicle: a texture that stays where it is, near the camera.
+void cover(SimulatedCamera::Frame& frame, double part) {
+  cv::Mat gray = gray_mat(frame), depth = depth_mat(frame);
+  const int rows = static_cast<int>(std::lround(part * gray.rows));
+  const cv::Rect below(0, gray.rows - rows, gray.cols, rows);
+  cv::Mat coarse(rows / 6 + 1, gray.cols / 6 + 1, CV_8U), texture;
+  cv::RNG(1).fill(coarse, cv::RNG::UNIFORM, 60, 200);
+  cv::resize(coarse, texture, below.size(), 0, 0, cv::INTER_CUBIC);
+  texture.copyTo(gray(below));
+  depth(below).setTo(300);  // [mm]
+}
+
 std::string matrix_rows(const SE3<double>& T) {
   std::string out;
   for (int i = 0; i < 3; ++i) {
@@ -110,12 +123,18 @@ struct InertialText {
       "b_w_RS_S_z [rad s^-1], b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]\n";
 };
 
-InertialText simulate_imu(const Trajectory& trajectory, const ImuQuality& quality, std::uint64_t seed, int samples) {
+InertialText simulate_imu(const Trajectory& trajectory, ImuQuality quality, const SimulateFaults& faults,
+                          std::uint64_t seed, int samples) {
+  quality.noise.gyro_density *= faults.noise_factor;
+  quality.noise.accel_density *= faults.noise_factor;
   SimulatedImu imu(quality, seed);
+  ImuFaults fault(faults);
+  const TimeNs period_ns = std::llround(1e9 / quality.noise.rate_hz);
   InertialText out;
   for (int i = 0; i < samples; ++i) {
     const SimulatedImu::Measurement r = imu.next(trajectory);
-    const ImuSample s = r.sample(t_start_ns);
+    const TimeNs t_ns = r.sample(t_start_ns).t_ns;
+    const ImuSample s = fault(r.sample(t_start_ns), period_ns);
     const auto columns = [&](char separator) {
       std::string text;
       for (const Vec<double, 3>& x : {s.gyro, s.accel}) {
@@ -127,7 +146,7 @@ InertialText simulate_imu(const Trajectory& trajectory, const ImuQuality& qualit
     out.imu_in_seconds += seconds(s.t_ns) + columns(' ');
     const Eigen::Quaternion<double>& q = r.motion.T_world_body.rotation().quaternion();
     const Vec<double, 3>& p = r.motion.T_world_body.p();
-    out.states += std::to_string(s.t_ns) +
+    out.states += std::to_string(t_ns) +
                   format(",%.9f,%.9f,%.9f,%.12f,%.12f,%.12f,%.12f", p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
     for (const Vec<double, 3>& x : {r.motion.v_world_body, r.gyro_bias, r.accel_bias}) {
       out.states += format(",%.9f,%.9f,%.9f", x.x(), x.y(), x.z());
@@ -158,7 +177,14 @@ struct Recording {
   bool has_imu() const { return options.imu != "none"; }
   /// Of an image; truth and IMU samples have their own.
   TimeNs stamp_ns(int frame) const { return frame_time_ns(frame) + std::llround(1e9 * options.late_s); }
-  InertialText inertial() const { return simulate_imu(trajectory, imu, options.seed, frames * imu_per_frame + 1); }
+  InertialText inertial() const {
+    return simulate_imu(trajectory, imu, options.faults, options.seed, frames * imu_per_frame + 1);
+  }
+  /// As the calibration has it.
+  SE3<double> stated_T_body_camera() const {
+    const SE3<double> T = simulated_T_body_camera();
+    return {T.rotation() * options.faults.extrinsics_turn(), T.p()};
+  }
 
   /// Calls `use(frame)` for every frame that is there.
   template <class Use>
@@ -179,6 +205,7 @@ struct Recording {
     for_each_frame([&](int i) {
       SimulatedCamera::Frame frame =
           sensor.frame(trajectory, i / static_cast<double>(camera_rate_hz), static_cast<std::uint64_t>(i));
+      if (options.faults.bonnet > 0) cover(frame, options.faults.bonnet);
       write(stamp_ns(i), frame);
       progress.show(static_cast<std::size_t>(i + 1));
     });
@@ -206,10 +233,11 @@ void write_tum(const Recording& recording) {
       format(
           "camera:\n  model: pinhole\n  intrinsics: [%g, %g, %g, %g]        # fx fy cx cy, px\n  distortion: none\n"
           "  resolution: [%d, %d]\n  rate_hz: %d\n"
-          "depth:\n  scale: 1000                     # meters = value / scale; 0 = no measurement\n"
+          "depth:\n  scale: %g                     # meters = value / scale; 0 = no measurement\n"
           "T_body_camera:                  # row-major 4x4, maps camera coordinates into body (= IMU) coordinates\n  ",
-          camera.fx, camera.fy, camera.cx, camera.cy, imager.width, imager.height, camera_rate_hz) +
-          matrix_rows(simulated_T_body_camera()) +
+          camera.fx, camera.fy, camera.cx, camera.cy, imager.width, imager.height, camera_rate_hz,
+          recording.options.faults.stated_depth_scale) +
+          matrix_rows(recording.stated_T_body_camera()) +
           (recording.has_imu() ? "imu:\n" + noise_yaml(recording.imu.noise, "  ") : ""));
 
   std::string truth = "# true poses of the camera\n# timestamp tx ty tz qx qy qz qw\n", gray = "# timestamp filename\n";
@@ -254,7 +282,7 @@ void write_euroc(const Recording& recording) {
   }
   const RadTan<double>& lens = camera.distortion;
   write_text(mav / "cam0" / "sensor.yaml",
-             "sensor_type: camera\n" + pose_yaml(simulated_T_body_camera()) +
+             "sensor_type: camera\n" + pose_yaml(recording.stated_T_body_camera()) +
                  format("rate_hz: %d\nresolution: [%d, %d]\ncamera_model: pinhole\n"
                         "intrinsics: [%g, %g, %g, %g] #fu, fv, cu, cv\ndistortion_model: radial-tangential\n"
                         "distortion_coefficients: [%g, %g, %g, %g]\n",
@@ -290,6 +318,8 @@ int run_simulate(const SimulateOptions& options) {
   const std::optional<Scene> scene = make_scene(options.scene, options.seed);
   std::optional<Trajectory> trajectory = Trajectory::for_scene(options.scene, options.seed);
   if (!scene || !trajectory) throw Misuse(unknown_name("scene", options.scene, ::scene_names()));
+  if (options.faults.has_depth_fault() && options.layout != "tum")
+    throw Misuse("--stated-depth-scale needs --layout tum");
   if (options.layout != "tum" && options.layout != "euroc")
     throw Misuse(unknown_name("layout", options.layout, layout_names()));
   if (options.stop_s.size() == 2 && !(options.stop_s[0] < options.stop_s[1]))

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "simulate_faults.hpp"
+
 struct SimulateOptions {
   std::string scene = "room";   ///< one of scene_names()
   std::filesystem::path out;    ///< folder to create; must not exist or be empty
@@ -19,6 +21,7 @@ struct SimulateOptions {
   std::vector<int> size;        ///< width and height of the images [px]; empty: those of the layout
   std::string imu = "default";  ///< one of imu_names(): the quality of the sensor
   std::string layout = "tum";   ///< one of layout_names(): tum (RGB-D) or euroc (one distorted gray camera)
+  SimulateFaults faults;
 };
 
 std::vector<std::string> scene_names();
