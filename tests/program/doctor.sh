@@ -126,11 +126,11 @@ simulated saturated --accel-range 9.8
 expect_diagnosis 0 '^WARN +saturation +[0-9]+ of 280. samples of the accelerometer are saturated at 9\.8 m/s\^2' saturated
 # With images that are followed.
 rm -rf faulty covered
-small=(simulate --duration 8 --size 320 256)
-"$plumbline" "${small[@]}" --out faulty --extrinsics-turn 0 0 90 --accel-sign > /dev/null 2>&1
+followed=(simulate --duration 8)
+"$plumbline" "${followed[@]}" --out faulty --extrinsics-turn 0 0 90 --accel-sign > /dev/null 2>&1
 expect_diagnosis 1 '^ERROR +extrinsics +.*: the camera is turned by -?90 degrees about the optical axis against it$' faulty
 grep -qE '^ERROR +accelerometer +the sign of the accelerometer is reversed' out.txt || fail "no sign: $(cat out.txt)"
-"$plumbline" "${small[@]}" --out covered --bonnet 0.25 --held-accel 3 > /dev/null 2>&1
+"$plumbline" "${followed[@]}" --out covered --bonnet 0.25 --held-accel 3 > /dev/null 2>&1
 expect_diagnosis 1 '^ERROR +still part +2[0-9] % of the image does not move' covered
 grep -qE '^NOTE +files +.*imu.csv: the accelerometer has new values at 67 Hz' out.txt || fail "no word about held values: $(cat out.txt)"
 expect_error 'no such directory' doctor missing
