@@ -5,8 +5,8 @@
 #
 # PROGRAM is the program `plumbline`, RECORDINGS the folder of the recordings that are named below.
 #
-#   --page NAME    this page only: accuracy, initialization, faults, relocalizations, timing, memory or field; may be
-#                  given several times
+#   --page NAME    this page only: accuracy, initialization, faults, relocalizations, timing, memory, or field (made only
+#                  where it is asked for); may be given several times
 #   --field DIR    folder of the inputs of the page field, RECORDINGS/../field by default
 #   --quick        fewer runs, in a third of the time: accuracy of four runs instead of eight, timing of one instead of two,
 #                  initialization without simulated recordings, each fault once and for 0.5 and 3 s
@@ -48,7 +48,7 @@ while (($# > 0)); do
     *) usage ;;
   esac
 done
-((${#pages[@]} > 0)) || pages=(memory timing accuracy initialization faults relocalizations field)
+((${#pages[@]} > 0)) || pages=(memory timing accuracy initialization faults relocalizations)
 if [[ -z $work ]]; then
   work=$(mktemp -d)
   trap 'rm -rf "$work"' EXIT

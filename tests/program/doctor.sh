@@ -133,6 +133,15 @@ grep -qE '^ERROR +accelerometer +the sign of the accelerometer is reversed' out.
 "$plumbline" "${followed[@]}" --out covered --bonnet 0.25 --held-accel 3 > /dev/null 2>&1
 expect_diagnosis 1 '^ERROR +still part +2[0-9] % of the image does not move' covered
 grep -qE '^NOTE +files +.*imu.csv: the accelerometer has new values at 67 Hz' out.txt || fail "no word about held values: $(cat out.txt)"
+# The table of answers to inputs from the field; marks of Markdown in them are text.
+cat > field.json << 'END'
+{"format": "plumbline-results", "version": 1, "kind": "field", "date": "2026-11-28", "commit": null, "command": null,
+ "machine": {"cpu": "x", "cores": 2, "memory_gib": 4, "os": "x", "compiler": "x", "build": "x", "plumbline": "x"},
+ "inputs": [{"name": "late", "what": "late images", "doctor": {"status": 1, "lines": ["ERROR a|b_c", "WARN <d>"]},
+             "run": {"status": 0, "lines": ["fine"]}}]}
+END
+"$plumbline" table field.json > out.txt || fail "table of kind field"
+grep -qF '| `late` | late images | 1: ERROR a\|b\_c<br>WARN \<d> | 0: fine |' out.txt || fail "the table is: $(cat out.txt)"
 expect_error 'no such directory' doctor missing
 expect_misuse 'dataset is required' doctor
 finish
