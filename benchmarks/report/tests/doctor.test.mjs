@@ -55,7 +55,7 @@ test('There is a chart for each sensor, and none for what is not there', async (
   await Promise.all([page, bare, none].map(each => each.close()));
 });
 
-test('A phone shows all of it without scrolling sideways, also in the dark', async () => {
+test('A phone shows all of it without scrolling sideways, with the dark theme', async () => {
   const page = await opened('narrow', doctor_data(), { width: 390, height: 800, dark: true });
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth));
   assert.deepEqual(page.complaints, []);
