@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <opencv2/core.hpp>
+
 #include "images.hpp"
 #include "plumbline/camera/any_camera.hpp"
 #include "plumbline/core/fixed_vector.hpp"
@@ -121,7 +123,9 @@ std::vector<TrackedFrame> track_corners(const io::Recording& recording, std::siz
         follows = false;
         continue;
       }
-      out.push_back({frames[i].t_ns, follows, tracker.add(images, !follows)});
+      cv::Scalar mean, deviation;
+      cv::meanStdDev(images.gray, mean, deviation);
+      out.push_back({frames[i].t_ns, follows, tracker.add(images, !follows), mean[0], deviation[0]});
       follows = true;
     }
   }

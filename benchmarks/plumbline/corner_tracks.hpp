@@ -20,6 +20,7 @@ struct TrackedFrame {
   plumbline::TimeNs t_ns;
   bool follows;  ///< the frame before it in the recording is the one before it here
   std::vector<TrackedCorner> corners;
+  double brightness = 0, contrast = 0;  ///< mean and standard deviation of the pixels, 0 to 255
 };
 
 /// Whether corners are followed in images of that size: 256 px on each side, up to 9 million pixels.

@@ -62,7 +62,7 @@ std::optional<LiveSample> LiveQueue::next(double time_offset_s) {
     given_ns_ = sample.t_ns;
     return sample;
   }
-  LiveSample out = std::move(frames_.front());
+  std::optional<LiveSample> out(std::in_place, std::move(frames_.front()));
   frames_.pop_front();
   changed_.notify_all();
   return out;

@@ -245,10 +245,14 @@ void add_calibration(CLI::App& app, CalibrationOptions& options) {
 
 void add_doctor(CLI::App& app, DoctorOptions& options) {
   CLI::App* command = app.add_subcommand("doctor", "Check a recording with its calibration, by all of its images");
-  command->footer("Example:\n  plumbline doctor my_recording --calibration camchain.yaml");
+  command->footer(
+      "Examples:\n"
+      "  plumbline doctor my_recording --calibration camchain.yaml\n"
+      "  plumbline doctor my_recording --report doctor.html");
   command->add_option("dataset,--dataset", options.dataset, "Folder of the recording")->required();
   add_inputs(*command, options.inputs);
   command->add_option("--json", options.json, "All diagnoses to write, JSON");
+  command->add_option("--report", options.report, "Page to write, HTML");
 }
 
 void add_evaluate(CLI::App& app, EvaluateOptions& options) {
@@ -280,6 +284,34 @@ void add_map(CLI::App& app, SavedMapOptions& options) {
   command->add_option("--report", options.report, "Page to write, HTML");
 }
 
+/// As they come from the field; `plumbline doctor` finds them.
+void add_simulated_faults(CLI::App& command, SimulateFaults& faults) {
+  command
+      .add_option("--noise-factor", faults.noise_factor, "White noise of the IMU by that which the calibration states")
+      ->check(number_from(0.01, 100, ""));
+  command.add_option("--gyro-range", faults.gyro_range, "The gyroscope is saturated there [rad/s]")
+      ->check(number_from(0.1, 100, "rad/s"));
+  command.add_option("--accel-range", faults.accel_range, "The accelerometer is saturated there [m/s^2]")
+      ->check(number_from(5, 1000, "m/s^2"));
+  command.add_option("--vibration", faults.vibration, "Vibration of the accelerometer: rms [m/s^2] and frequency [Hz]")
+      ->check(number_from(0, 100, ""))
+      ->expected(2);
+  command.add_flag("--accel-sign", faults.accel_sign, "The sign of the accelerometer is reversed");
+  command.add_option("--held-accel", faults.held_accel, "The accelerometer repeats each value in so many rows")
+      ->check(whole_number_from(1, 20));
+  command.add_option("--bursts", faults.bursts, "IMU samples come in bursts of so many, with stamps of arrival")
+      ->check(whole_number_from(1, 100));
+  command
+      .add_option("--extrinsics-turn", faults.extrinsics_turn_deg,
+                  "The stated camera is turned by this rotation vector about its axes [deg]")
+      ->check(number_from(-180, 180, "degrees"))
+      ->expected(3);
+  command.add_option("--stated-depth-scale", faults.stated_depth_scale, "Raw units per meter as stated; true: 1000")
+      ->check(number_from(1, 1e6, "units per meter"));
+  command.add_option("--bonnet", faults.bonnet, "Lower part of the images that shows the vehicle")
+      ->check(number_from(0, 0.6, ""));
+}
+
 void add_simulate(CLI::App& app, SimulateOptions& options) {
   CLI::App* command = app.add_subcommand("simulate", "Make a recording of a simulated scene, with exact truth");
   command->footer("Example:\n  plumbline simulate --scene room --duration 20 --out room");
@@ -301,7 +333,7 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
                           ->check(number_from(0, 3600, "s"))
                           ->expected(2);
   command->add_option("--late", options.late_s, "The stamps of the images come after the images by so much [s]")
-      ->check(number_from(-0.2, 0.2, "s"))
+      ->check(number_from(-0.5, 0.5, "s"))
       ->capture_default_str();
   command
       ->add_option("--readout", options.readout_s,
@@ -319,10 +351,12 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
   CLI::Option* layout =
       command->add_option("--layout", options.layout, "One of: " + CLI::detail::join(layout_names(), ", "))
           ->capture_default_str();
+  add_simulated_faults(*command, options.faults);
   CLI::Option* real = command->add_option("--real-imu", options.real_imu,
                                           "Recording in the EuRoC layout: images of a hall along its true path, beside "
                                           "its IMU samples");
   for (CLI::Option* other : {scene, laps, stop, imu, layout}) real->excludes(other);
+  for (const char* other : {"--noise-factor", "--stated-depth-scale"}) real->excludes(command->get_option(other));
   command->add_option("--calibration", options.calibration, "Of the camera, where the recording has none")->needs(real);
   command->add_option("--start", options.start_s, "Begin in that recording [s]")
       ->check(number_from(0, longest_s, "s"))

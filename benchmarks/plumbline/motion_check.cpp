@@ -5,7 +5,6 @@
 #include <cmath>
 #include <optional>
 
-#include "corner_tracks.hpp"
 #include "format.hpp"
 #include "plumbline/io/make_camera.hpp"
 #include "rotation_fit.hpp"
@@ -201,14 +200,14 @@ void check_scale(const io::Recording& recording, const std::vector<TrackedFrame>
 
 }  // namespace
 
-std::vector<Diagnosis> check_motion(const io::Recording& recording, bool with_imu) {
+std::vector<Diagnosis> check_motion(const io::Recording& recording, const std::vector<TrackedFrame>& frames,
+                                    bool with_imu) {
   Diagnoses out;
   if (!can_track(recording.calibration().camera)) {
     out.push_back({DiagnosisLevel::note, "corners",
                    "images of this size are not followed: time offset and extrinsics are not checked"});
     return out;
   }
-  const std::vector<TrackedFrame> frames = track_corners(recording);
   check_corners(frames, out);
   const double focal_length_px = pl::effective_focal_length(io::make_camera<double>(recording.calibration().camera));
   const std::vector<ImageRate> rates = image_rates_of(frames, focal_length_px);

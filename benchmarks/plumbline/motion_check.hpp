@@ -3,8 +3,11 @@
 
 #include <vector>
 
+#include "corner_tracks.hpp"
 #include "doctor.hpp"
 #include "plumbline/io/recording.hpp"
 
 /// Without an IMU, or where its samples are not sound, only those of the images; what cannot be told is said.
-std::vector<Diagnosis> check_motion(const plumbline::io::Recording& recording, bool with_imu);
+/// `frames` are those of track_corners.
+std::vector<Diagnosis> check_motion(const plumbline::io::Recording& recording, const std::vector<TrackedFrame>& frames,
+                                    bool with_imu);

@@ -13,6 +13,7 @@
 #include "compare_merge.hpp"
 #include "compare_table.hpp"
 #include "faults_table.hpp"
+#include "field_table.hpp"
 #include "machine.hpp"
 #include "memory.hpp"
 #include "misuse.hpp"
@@ -38,7 +39,7 @@ struct ResultTable {
 };
 
 /// The first one of a kind is its own without a template.
-constexpr std::array<ResultTable, 7> result_tables{{
+constexpr std::array<ResultTable, 8> result_tables{{
     {"comparison", "comparison", "comparison", print_markdown},
     {"accuracy", "comparison", "comparison", print_accuracy},
     {"timing", "comparison", "comparison", print_timing},
@@ -46,6 +47,7 @@ constexpr std::array<ResultTable, 7> result_tables{{
     {"faults", "faults", "groups", print_faults},
     {"relocalizations", "relocalizations", "groups", print_relocalizations},
     {"memory", "memory", "configurations", print_memory},
+    {"field", "field", "inputs", print_field},
 }};
 
 const ResultTable& table_named(const std::string& name) {

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "format.hpp"
 #include "misuse.hpp"
@@ -97,6 +98,18 @@ cv::Mat depth_mat(SimulatedCamera::Frame& frame) {
   return {view.height, view.width, CV_16U, view.data};
 }
 
+/// The lower part of an image shows the vehicle: a texture that stays where it is, near the camera.
+void cover(SimulatedCamera::Frame& frame, double part) {
+  cv::Mat gray = gray_mat(frame), depth = depth_mat(frame);
+  const int rows = static_cast<int>(std::lround(part * gray.rows));
+  const cv::Rect below(0, gray.rows - rows, gray.cols, rows);
+  cv::Mat coarse(rows / 6 + 1, gray.cols / 6 + 1, CV_8U), texture;
+  cv::RNG(1).fill(coarse, cv::RNG::UNIFORM, 60, 200);
+  cv::resize(coarse, texture, below.size(), 0, 0, cv::INTER_CUBIC);
+  texture.copyTo(gray(below));
+  depth(below).setTo(300);  // [mm]
+}
+
 std::string matrix_rows(const SE3<double>& T) {
   std::string out;
   for (int i = 0; i < 3; ++i) {
@@ -137,14 +150,19 @@ struct InertialText {
   }
 };
 
-InertialText simulate_imu(const Trajectory& trajectory, const ImuQuality& quality, std::uint64_t seed, int samples) {
+InertialText simulate_imu(const Trajectory& trajectory, ImuQuality quality, const SimulateFaults& faults,
+                          std::uint64_t seed, int samples) {
+  quality.noise.gyro_density *= faults.noise_factor;
+  quality.noise.accel_density *= faults.noise_factor;
   SimulatedImu imu(quality, seed);
+  ImuFaults fault(faults);
+  const TimeNs period_ns = std::llround(1e9 / quality.noise.rate_hz);
   InertialText out;
   for (int i = 0; i < samples; ++i) {
     const SimulatedImu::Measurement r = imu.next(trajectory);
-    const ImuSample s = r.sample(t_start_ns);
-    out.add(s);
-    out.add(s.t_ns, r.motion.T_world_body, {r.motion.v_world_body, r.gyro_bias, r.accel_bias});
+    const ImuSample exact = r.sample(t_start_ns);
+    out.add(fault(exact, period_ns));
+    out.add(exact.t_ns, r.motion.T_world_body, {r.motion.v_world_body, r.gyro_bias, r.accel_bias});
   }
   return out;
 }
@@ -175,6 +193,10 @@ struct Recording {
   TimeNs frame_time_ns(int frame) const { return start_ns + TimeNs(frame) * (1'000'000'000 / camera_rate_hz); }
   /// Of an image; truth and IMU samples have their own.
   TimeNs stamp_ns(int frame) const { return frame_time_ns(frame) + std::llround(1e9 * options.late_s); }
+  /// As the calibration has it.
+  SE3<double> stated_T_body_camera() const {
+    return {T_body_camera.rotation() * options.faults.extrinsics_turn(), T_body_camera.p()};
+  }
 
   /// Calls `use(frame)` for every frame that is there.
   template <class Use>
@@ -195,6 +217,7 @@ struct Recording {
     for_each_frame([&](int i) {
       SimulatedCamera::Frame frame =
           sensor.frame(path, i / static_cast<double>(camera_rate_hz), static_cast<std::uint64_t>(i));
+      if (options.faults.bonnet > 0) cover(frame, options.faults.bonnet);
       write(stamp_ns(i), frame);
       progress.show(static_cast<std::size_t>(i + 1));
     });
@@ -221,10 +244,12 @@ void write_tum(const Recording<Trajectory>& recording) {
       format(
           "camera:\n  model: pinhole\n  intrinsics: [%g, %g, %g, %g]        # fx fy cx cy, px\n  distortion: none\n"
           "  resolution: [%d, %d]\n  rate_hz: %d\n"
-          "depth:\n  scale: 1000                     # meters = value / scale; 0 = no measurement\n"
+          "depth:\n  scale: %g                     # meters = value / scale; 0 = no measurement\n"
           "T_body_camera:                  # row-major 4x4, maps camera coordinates into body (= IMU) coordinates\n  ",
-          camera.fx, camera.fy, camera.cx, camera.cy, imager.width, imager.height, camera_rate_hz) +
-          matrix_rows(recording.T_body_camera) + (recording.imu ? "imu:\n" + noise_yaml(*recording.imu, "  ") : ""));
+          camera.fx, camera.fy, camera.cx, camera.cy, imager.width, imager.height, camera_rate_hz,
+          recording.options.faults.stated_depth_scale) +
+          matrix_rows(recording.stated_T_body_camera()) +
+          (recording.imu ? "imu:\n" + noise_yaml(*recording.imu, "  ") : ""));
 
   std::string truth = "# true poses of the camera\n# timestamp tx ty tz qx qy qz qw\n", gray = "# timestamp filename\n";
   std::string depth = gray;
@@ -268,7 +293,7 @@ void write_euroc(const Recording<Path>& recording, const Imager<Pinhole<double, 
   }
   const RadTan<double>& lens = camera.distortion;
   write_text(mav / "cam0" / "sensor.yaml",
-             "sensor_type: camera\n" + pose_yaml(recording.T_body_camera) +
+             "sensor_type: camera\n" + pose_yaml(recording.stated_T_body_camera()) +
                  format("rate_hz: %d\nresolution: [%d, %d]\ncamera_model: pinhole\n"
                         "intrinsics: [%g, %g, %g, %g] #fu, fv, cu, cv\ndistortion_model: radial-tangential\n"
                         "distortion_coefficients: [%g, %g, %g, %g]\n",
@@ -378,10 +403,14 @@ int simulate_real_imu(const SimulateOptions& options) {
     const SE3<double>& T = state.T_world_body;
     inertial.add(state.t_ns, SE3<double>(T.rotation(), T.p() + offset), state.rates);
   }
+  ImuFaults fault(options.faults);
+  const double rate_hz = calibration.imu && calibration.imu->rate_hz > 0 ? calibration.imu->rate_hz : imu_rate_hz;
+  const TimeNs period_ns = std::llround(1e9 / rate_hz);
   for (io::RowReader row(mav / "imu0" / "data.csv"); row.next();) {
     row.require_size(7);
     const TimeNs t_ns = row.time_in_nanoseconds();
-    if (is_used(t_ns)) inertial.add({t_ns, vector_in_columns(row, 1), vector_in_columns(row, 4)});
+    const ImuSample sample{t_ns, vector_in_columns(row, 1), vector_in_columns(row, 4)};
+    if (is_used(t_ns)) inertial.add(fault(sample, period_ns));
   }
   make_folder(options.out);
   const Scene hall =
@@ -410,6 +439,8 @@ int run_simulate(const SimulateOptions& options) {
   const std::optional<Scene> scene = make_scene(options.scene, options.seed);
   std::optional<Trajectory> trajectory = Trajectory::for_scene(options.scene, options.seed);
   if (!scene || !trajectory) throw Misuse(unknown_name("scene", options.scene, ::scene_names()));
+  if (options.faults.has_depth_fault() && options.layout != "tum")
+    throw Misuse("--stated-depth-scale needs --layout tum");
   if (options.layout != "tum" && options.layout != "euroc")
     throw Misuse(unknown_name("layout", options.layout, layout_names()));
   if (options.stop_s.size() == 2 && !(options.stop_s[0] < options.stop_s[1]))
@@ -424,14 +455,15 @@ int run_simulate(const SimulateOptions& options) {
   }
   make_folder(options.out);
   const int frames = static_cast<int>(std::lround(duration_s * camera_rate_hz));
-  const Recording<Trajectory> recording{options,
-                                        *scene,
-                                        *trajectory,
-                                        simulated_T_body_camera(),
-                                        simulate_imu(*trajectory, imu, options.seed, frames * imu_per_frame + 1),
-                                        options.imu == "none" ? std::nullopt : std::optional(imu.noise),
-                                        t_start_ns,
-                                        frames};
+  const Recording<Trajectory> recording{
+      options,
+      *scene,
+      *trajectory,
+      simulated_T_body_camera(),
+      simulate_imu(*trajectory, imu, options.faults, options.seed, frames * imu_per_frame + 1),
+      options.imu == "none" ? std::nullopt : std::optional(imu.noise),
+      t_start_ns,
+      frames};
   options.layout == "tum" ? write_tum(recording) : write_euroc(recording, mono_imager);
   return 0;
 }

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "simulate_faults.hpp"
+
 struct SimulateOptions {
   std::string scene = "room";         ///< one of scene_names()
   std::filesystem::path out;          ///< folder to create; must not exist or be empty
@@ -22,6 +24,7 @@ struct SimulateOptions {
   std::filesystem::path calibration;  ///< of the camera of `real_imu`; empty: that of the recording
   double start_s = 0;                 ///< begin in `real_imu`, after its first true state [s]
   std::string layout = "tum";         ///< one of layout_names(): tum (RGB-D) or euroc (one distorted gray camera)
+  SimulateFaults faults;
 };
 
 std::vector<std::string> scene_names();

@@ -33,7 +33,7 @@ const parts = {
   licenses: (await license('three')) + '\n' + (await license('uplot')).trim(),
   style: await bundle('style.css'),
 };
-for (const page of ['compare', 'debug', 'live']) {
+for (const page of ['compare', 'debug', 'doctor', 'live']) {
   const pieces = { ...parts, title: `plumbline ${page}`, data: data_line, script: await bundle(`${page}.js`) };
   const template = await readFile(join(here, 'src', 'page.html'), 'utf8');
   const html = template.replace(/\{\{(\w+)\}\}/g, (_, name) => pieces[name]);

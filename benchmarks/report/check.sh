@@ -7,7 +7,7 @@ npm ci --ignore-scripts --no-audit --no-fund --loglevel=error
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT
 node build.mjs "$fresh"
-for page in compare debug live; do
+for page in compare debug doctor live; do
   if ! cmp "$fresh/$page.html" "dist/$page.html"; then
     echo "dist/$page.html is not what its sources make; run: (cd benchmarks/report && npm ci && npm run build)" >&2
     exit 1

@@ -5,8 +5,9 @@
 #
 # PROGRAM is the program `plumbline`, RECORDINGS the folder of the recordings that are named below.
 #
-#   --page NAME    this page only: accuracy, initialization, faults, relocalizations, timing or memory; may be given
-#                  several times
+#   --page NAME    this page only: accuracy, initialization, faults, relocalizations, timing, memory, or field (made only
+#                  where it is asked for); may be given several times
+#   --field DIR    folder of the inputs of the page field, RECORDINGS/../field by default
 #   --quick        fewer runs, in a third of the time: accuracy of four runs instead of eight, timing of one instead of two,
 #                  initialization without simulated recordings, each fault once and for 0.5 and 3 s
 #   --tables       the pages from the JSON files that are there, without a run
@@ -27,17 +28,18 @@ usage() {
 program=$(realpath "$1")
 recordings=$(realpath "$2")
 shift 2
-pages=() tables_only=false jobs=$(nproc) work='' out=$here
+pages=() tables_only=false field=$recordings/../field jobs=$(nproc) work='' out=$here
 quick=false repeats=8 timed=2 durations=(0.2 0.5 1 3) times=3
 while (($# > 0)); do
   case $1 in
     --tables) tables_only=true && shift ;;
     --quick) quick=true repeats=4 timed=1 durations=(0.5 3) times=1 && shift ;;
-    --page | --jobs | --work | --out)
+    --page | --jobs | --work | --out | --field)
       (($# >= 2)) || usage
       case $1 in
         --page) [[ -f $here/templates/$2.md ]] || usage; pages+=("$2") ;;
         --jobs) jobs=$2 ;;
+        --field) field=$(realpath "$2") ;;
         --work) work=$(mkdir -p "$2" && realpath "$2") ;;
         --out) out=$(mkdir -p "$2" && realpath "$2") ;;
       esac
@@ -181,6 +183,8 @@ measure_relocalizations() {
       --duration 5
   fi
 }
+
+measure_field() { "$here/measure_field.py" "$program" "$recordings" "$field" "$work/field" "$data/field.json"; }
 
 measure_memory() { "$program" list --memory --json "$data/memory.json" > /dev/null; }
 

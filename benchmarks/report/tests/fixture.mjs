@@ -226,6 +226,35 @@ export function debug_data({ with_truth = true, with_pictures = true, with_map: 
     pictures: with_pictures ? dataset.truth.t.map((_, row) => ({ row, file: picture(row) })) : [],
   };
 }
+
+const doctor_noise = {
+  imu_noise: {
+    rest_s: 12.5,
+    gyroscope: { density: { value: 1.71e-4, low: 1.66e-4, high: 1.76e-4 }, random_walk: { value: 2.1e-5, low: 1.1e-5, high: 3e-5 }, vibration_rms: 0.012, vibration_peak_hz: null },
+    accelerometer: { density: { value: 2.02e-3, low: 1.97e-3, high: 2.1e-3 }, random_walk: { value: 1e-4, low: 0, high: 3.4e-4 }, vibration_rms: 1.52, vibration_peak_hz: 61.3 },
+  },
+  noise_series: Object.fromEntries([['gyroscope', 1.7e-4], ['accelerometer', 2e-3]].map(([sensor, density]) => [sensor, {
+    allan: { tau_s: [0.005, 0.01, 0.02, 0.04, 0.08], deviation: [0.005, 0.01, 0.02, 0.04, 0.08].map(tau => density / Math.sqrt(tau)) },
+    spectrum: { hz: Array.from({ length: 128 }, (_, i) => 0.78 * (i + 1)), density: Array.from({ length: 128 }, (_, i) => density * (1 + 300 / (i + 1) ** 2)) },
+  }])),
+};
+/// As `plumbline doctor --report` writes it.
+export function doctor_data({ with_imu = true, with_looks = true } = {}) {
+  const t = Array.from({ length: 160 }, (_, i) => round(i / 20)), at = Array.from({ length: 1600 }, (_, i) => round(i / 200)), random = random_of(9);
+  const axes = size => Object.fromEntries(['x', 'y', 'z'].map((axis, k) => [axis, at.map(s => round(size * Math.sin((k + 1) * s) + 0.1 * size * random()))]));
+  return {
+    format: 'plumbline-doctor', version: 1, dataset: 'flight <of a room>',
+    diagnoses: [['OK', 'recording', '160 images, 1600 IMU samples: times, rates, units and contents are plausible'], ['NOTE', 'files', 'imu.csv: columns after the last one that is needed are ignored'],
+      ['ERROR', 'time offset', 'images and gyroscope turn together where images are taken 110.0 ms earlier than stamped: give --time-offset -0.110'], ['WARN', 'still part', '8 % of the image does not move <while> the camera turns'],
+      ['WARN', 'corners', '22 corners are followed from frame to frame: blurred, dark, or little to see?']].map(([level, check, text]) => ({ level, check, text })),
+    ...(with_imu ? doctor_noise : { imu_noise: null, noise_series: null }),
+    series: {
+      images: { intervals: { t: t.slice(1), ms: t.slice(1).map((_, i) => (i === 80 ? 250 : 50)) } },
+      imu: with_imu ? { intervals: { t: at.slice(1), ms: at.slice(1).map(() => 5) }, gyroscope: { t: at, ...axes(0.8) }, accelerometer: { t: at, ...axes(6) } } : null,
+      looks: with_looks ? { t, brightness: t.map(s => round(110 + 20 * Math.sin(s))), contrast: t.map(() => round(40 + 5 * random())), corners: t.map((_, i) => (i ? Math.round(180 + 30 * random()) : null)) } : null,
+    },
+  };
+}
 const picture = row => 'data:image/svg+xml,' + encodeURIComponent(`<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 752 542" width="752" height="542">
 <rect width="752" height="542" fill="#222"/><rect width="752" height="480" fill="#777"/><circle cx="${40 + 2.6 * row}" cy="240" r="60" fill="#9b9"/>
 <text x="12" y="520" fill="#eee" font-size="24" font-family="sans-serif">frame ${row}</text></svg>`);
@@ -239,6 +268,6 @@ export function page_with(page, data, folder = join(dirname(fileURLToPath(import
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {
   const [page, name, file] = process.argv.slice(2);
-  const data = page === 'debug' ? { usual: () => debug_data(), map: () => debug_data({ with_map: true }), saved: () => saved_map_data() }[name]() : comparisons[name]();
+  const data = page === 'doctor' ? doctor_data() : page === 'debug' ? { usual: () => debug_data(), map: () => debug_data({ with_map: true }), saved: () => saved_map_data() }[name]() : comparisons[name]();
   writeFileSync(file, page_with(page, data));
 }
