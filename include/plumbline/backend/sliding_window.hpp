@@ -2,9 +2,9 @@
 /// Backend: Levenberg-Marquardt over a window of K frames and the landmarks that they observe, with marginalization of
 /// the frames that leave and first-estimate Jacobians.                                              docs/math/window.md
 ///
-/// `optimize` minimizes  |r0 + J0 e|^2 / 2 + the factors of motion model and frames + the terms of all features  over
+/// `optimize` minimizes  |r0 + J0 e|^2 / 2 + the factors of propagation and frames + the terms of all features  over
 /// the states of the frames; landmarks are eliminated one by one. `retire` turns a frame, and the landmarks anchored in
-/// it, into the next prior (r0, J0). State and factors of a frame are those of the motion model: poses and no factors
+/// it, into the next prior (r0, J0). State and factors of a frame are those of the propagation: poses and no factors
 /// without an IMU, docs/math/inertial_window.md with one. The policy names further factors of single frames,
 /// docs/math/factors.md.
 
@@ -25,7 +25,7 @@
 #include "plumbline/feature/window_views.hpp"
 #include "plumbline/frontend/flow.hpp"
 #include "plumbline/map/retired.hpp"
-#include "plumbline/motion/motion_model.hpp"
+#include "plumbline/propagation/propagation.hpp"
 #include "plumbline/solver/levenberg_marquardt.hpp"
 #include "plumbline/state/frame_window.hpp"
 #include "plumbline/state/time_offset_estimate.hpp"
@@ -48,23 +48,23 @@ struct WindowOptions {
   double readout_walk = 1e-3;
 };
 
-template <MotionModel Motion, class LandmarksT, int K, class FrameFactorsT = NoFrameFactors>
+template <Propagation PropagationT, class LandmarksT, int K, class FrameFactorsT = NoFrameFactors>
 class WindowBackend {
  public:
-  using Sensors = typename Motion::Sensors;
-  using S = typename Motion::S;
-  using Layout = typename Motion::Layout;
-  using State = typename Motion::State;
-  using Factor = typename Motion::Factor;
-  using Factors = typename Motion::template Factors<K>;
+  using Sensors = typename PropagationT::Sensors;
+  using S = typename PropagationT::S;
+  using Layout = typename PropagationT::Layout;
+  using State = typename PropagationT::State;
+  using Factor = typename PropagationT::Factor;
+  using Factors = typename PropagationT::template Factors<K>;
   using FrameFactors = FrameFactorsT;
   using Landmarks = LandmarksT;
   using Window = FrameWindow<S, Layout, K>;
   using Options = WindowOptions;
   using Normal = typename WindowEquations<Window>::Normal;
 
-  WindowBackend(const Options& options, const typename Motion::Options& motion)
-      : options_(options), factors_(motion), rig_prior_(options.extrinsics, options.time_offset) {}
+  WindowBackend(const Options& options, const typename PropagationT::Options& propagation)
+      : options_(options), factors_(propagation), rig_prior_(options.extrinsics, options.time_offset) {}
 
   const Window& window() const { return window_; }
   Window& window() { return window_; }
@@ -300,8 +300,9 @@ struct SlidingWindow {
   static constexpr int slots = K;
   using FrontEnds = FrontEndPolicy;
 
-  template <MotionModel Motion, class Landmarks>
-  using Backend = WindowBackend<Motion, Landmarks, K, FrameFactorsOf<typename Motion::S, K, FactorTypes...>>;
+  template <Propagation PropagationT, class Landmarks>
+  using Backend =
+      WindowBackend<PropagationT, Landmarks, K, FrameFactorsOf<typename PropagationT::S, K, FactorTypes...>>;
 };
 
 }  // namespace plumbline

@@ -8,19 +8,19 @@
 #include "plumbline/initialization/depth.hpp"
 #include "plumbline/initialization/inertial.hpp"
 #include "plumbline/initialization/two_view.hpp"
-#include "plumbline/motion/constant_velocity.hpp"
-#include "plumbline/motion/inertial.hpp"
+#include "plumbline/propagation/constant_velocity.hpp"
+#include "plumbline/propagation/inertial.hpp"
 #include "plumbline/sensor/rig.hpp"
 
 namespace plumbline {
 
 namespace detail {
 template <SensorRig Sensors, bool has_imu = Sensors::has_imu>
-struct MotionOf {
+struct PropagationOf {
   using Type = ConstantVelocity<Sensors>;
 };
 template <SensorRig Sensors>
-struct MotionOf<Sensors, true> {
+struct PropagationOf<Sensors, true> {
   using Type = Inertial<Sensors>;
 };
 
@@ -44,13 +44,13 @@ struct Composition {
   using S = typename Sensors::Scalar;
   static constexpr int slots = BackendPolicy::slots;
 
-  using Motion = typename detail::MotionOf<Sensors>::Type;
+  using Propagation = typename detail::PropagationOf<Sensors>::Type;
   using VisualInitializer = typename detail::VisualInitializerOf<Sensors>::Type;
   using Initializer =
       std::conditional_t<Sensors::has_imu, InertialInitializer<S, VisualInitializer>, VisualInitializer>;
   using FrontEnds = plumbline::FrontEnds<typename BackendPolicy::FrontEnds, Sensors, slots, FeatureSet>;
   using Landmarks = typename FrontEnds::Landmarks;
-  using Backend = typename BackendPolicy::template Backend<Motion, Landmarks>;
+  using Backend = typename BackendPolicy::template Backend<Propagation, Landmarks>;
   using Window = typename Backend::Window;
 
   static_assert(

@@ -32,20 +32,20 @@ class KeyframeWindow {
  public:
   using Sensors = typename Parts::Sensors;
   using S = typename Parts::S;
-  using Motion = typename Parts::Motion;
-  using State = typename Motion::State;
+  using Propagation = typename Parts::Propagation;
+  using State = typename Propagation::State;
   using Landmarks = typename Parts::Landmarks;
   using Backend = typename Parts::Backend;
   using Frames = typename Parts::Window;
   using Tracker = FrameTracker<Parts>;
-  using Nav = Navigation<S, typename Motion::Layout>;
+  using Nav = Navigation<S, typename Propagation::Layout>;
   using Covariance = typename Nav::Covariance;
   static constexpr int none = -1;
   static constexpr double drift_ratio = 3;  ///< of a drifting track to the mean motion; tuned: docs/decisions/011
 
   KeyframeWindow(const Sensors& rig, const EstimatorOptions<Parts>& options, const auto& map_options)
       : landmarks_(Parts::FrontEnds::make_landmarks(options)),
-        backend_(options.backend, options.motion),
+        backend_(options.backend, options.propagation),
         map_(rig, map_options),
         rule_(options.keyframe),
         min_tracked_(2 * options.pose.min_inliers) {}
@@ -72,10 +72,10 @@ class KeyframeWindow {
   /// times the mean: drifting tracks and moving objects.
   double robust_motion_px() const { return landmarks_.motion_since(keyframe_, drift_ratio * motion_px()); }
 
-  bool needs_keyframe(const View<Sensors>& view, Motion& motion) {
+  bool needs_keyframe(const View<Sensors>& view, Propagation& propagation) {
     const double rad = motion_px() / double(effective_focal_length(view.camera()));
     const bool needed = rule_.is_keyframe(landmarks_.tracked_count(), tracked_at_keyframe_, rad);
-    return motion.confirm_keyframe(
+    return propagation.confirm_keyframe(
         view.t_ns, [&] { return robust_motion_px(); }, needed);
   }
 
@@ -101,43 +101,43 @@ class KeyframeWindow {
   }
 
   /// Moves the navigation state to the latest frame of the window, and reports what limits its pose.
-  void accept_latest(Motion& motion, Nav& navigation, FrameReport& report) const {
+  void accept_latest(Propagation& propagation, Nav& navigation, FrameReport& report) const {
     const State x = frames().latest();
     navigation.move_to(x.T_world_body);
     report.tracked = landmarks_.tracked_count();
     const bool few = report.tracked < min_tracked_;
-    report.reason = motion.diagnose(backend_.factors(), frames(), few);
-    report.is_inconsistent = motion.is_inconsistent();
+    report.reason = propagation.diagnose(backend_.factors(), frames(), few);
+    report.is_inconsistent = propagation.is_inconsistent();
     if (report.reason == HealthReason::none && few) report.reason = HealthReason::few_features;
-    if (motion.is_initialized()) navigation.set_motion(x);
+    if (propagation.is_initialized()) navigation.set_motion(x);
   }
 
   /// Inserts the latest frame, which has a pose, as a keyframe.
-  void make_keyframe(const View<Sensors>& view, Tracker& tracker, Motion& motion, RigState<Sensors>& rig_state,
-                     Nav& navigation) {
-    const int slot = backend_.insert(view.t_ns, frames().latest(), motion.factor(keyframe_));
+  void make_keyframe(const View<Sensors>& view, Tracker& tracker, Propagation& propagation,
+                     RigState<Sensors>& rig_state, Nav& navigation) {
+    const int slot = backend_.insert(view.t_ns, frames().latest(), propagation.factor(keyframe_));
     tracker.detect(view, frames(), landmarks_, slot, rig_state.readout().value_s);
     backend_.optimize(view.rig, view.T_body_cam, landmarks_);
     if (readout_.update(backend_, view, landmarks_, rig_state))
       backend_.optimize(view.rig, view.T_body_cam, landmarks_);
     frames().set_latest(slot);
-    adopt_keyframe(view, slot, tracker, motion, navigation);
+    adopt_keyframe(view, slot, tracker, propagation, navigation);
     make_room(view);
   }
 
   /// Inserts a frame with IMU factors in the state x. Returns whether it is to become a keyframe.
-  bool insert(const View<Sensors>& view, State x, Motion& motion) {
-    const bool was_stationary = motion.is_stationary(), keyframe = needs_keyframe(view, motion);
-    is_stationary_ = was_stationary && motion.is_stationary();
+  bool insert(const View<Sensors>& view, State x, Propagation& propagation) {
+    const bool was_stationary = propagation.is_stationary(), keyframe = needs_keyframe(view, propagation);
+    is_stationary_ = was_stationary && propagation.is_stationary();
     was_stationary && !is_stationary_ ? keep_temporary(view) : drop_temporary();
     if (is_stationary_) x.T_world_body = frames().latest().T_world_body;
-    temporary_ = backend_.insert(view.t_ns, x, motion.factor(keyframe_));
+    temporary_ = backend_.insert(view.t_ns, x, propagation.factor(keyframe_));
     return keyframe;
   }
   /// Optimizes the window with the frame as a keyframe, or as none; `before` is the state of the previous frame. At
   /// rest the window is not optimized, so noise does not move the pose.
-  void solve(const View<Sensors>& view, const State& before, bool keyframe, Tracker& tracker, const Motion& motion,
-             RigState<Sensors>& rig_state) {
+  void solve(const View<Sensors>& view, const State& before, bool keyframe, Tracker& tracker,
+             const Propagation& propagation, RigState<Sensors>& rig_state) {
     if (keyframe) {
       tracker.detect(view, frames(), landmarks_, temporary_, rig_state.readout().value_s);
     } else {
@@ -148,62 +148,64 @@ class KeyframeWindow {
     if (keyframe && readout_.update(backend_, view, landmarks_, rig_state))
       backend_.optimize(view.rig, view.T_body_cam, landmarks_);
     frames().set_latest(temporary_);
-    if (State solved = frames().latest(); motion.correct(before, solved, view.dt)) frames().set_latest(solved);
+    if (State solved = frames().latest(); propagation.correct(before, solved, view.dt)) frames().set_latest(solved);
   }
   /// Sets the covariance of the navigation state, and that of the velocity, to what the window knows of the latest
   /// frame.
-  void update_covariance(Motion& motion, Nav& navigation) const {
+  void update_covariance(Propagation& propagation, Nav& navigation) const {
     if (is_stationary_) return;
     using Known = std::conditional_t<HasVelocityCovariance<Backend>, MovingLayout, VisualLayout>;
     Mat<S, Known::dim, Known::dim> known;
     if (!backend_.covariance_of_newest(known)) set_identity(known);
     navigation.set_window_covariance(block<state::Pose::dim, state::Pose::dim>(known, 0, 0));
     if constexpr (HasVelocityCovariance<Backend>) {
-      motion.set_velocity_covariance(known);
-      motion.set_speed_covariance(known, frames().latest().v_world_body);
+      propagation.set_velocity_covariance(known);
+      propagation.set_speed_covariance(known, frames().latest().v_world_body);
     }
   }
-  void keep_as_keyframe(const View<Sensors>& view, Tracker& tracker, Motion& motion, Nav& navigation) {
-    adopt_keyframe(view, temporary_, tracker, motion, navigation);
+  void keep_as_keyframe(const View<Sensors>& view, Tracker& tracker, Propagation& propagation, Nav& navigation) {
+    adopt_keyframe(view, temporary_, tracker, propagation, navigation);
     temporary_ = none;
     make_room(view);
   }
 
   /// Detects landmarks in the latest frame and makes it a keyframe, if it shows at least `min_landmarks` corners.
-  /// Earlier landmarks are not observed in it. For a frame whose pose is that of the motion model alone.
-  bool restart_tracking(const View<Sensors>& view, int min_landmarks, Tracker& tracker, Motion& motion,
+  /// Earlier landmarks are not observed in it. For a frame whose pose is the predicted one alone.
+  bool restart_tracking(const View<Sensors>& view, int min_landmarks, Tracker& tracker, Propagation& propagation,
                         Nav& navigation) {
     drop_temporary();
     landmarks_.for_each([](auto& store) { store.clear_current(); });
-    const int slot = backend_.insert(view.t_ns, frames().latest(), motion.factor(keyframe_));
+    const int slot = backend_.insert(view.t_ns, frames().latest(), propagation.factor(keyframe_));
     tracker.front_ends().detect(view, frames(), landmarks_, slot);
     if (landmarks_.seen_count() < min_landmarks) {
       backend_.drop(landmarks_, slot);
       return false;
     }
     frames().set_latest(slot);
-    adopt_keyframe(view, slot, tracker, motion, navigation);
+    adopt_keyframe(view, slot, tracker, propagation, navigation);
     make_room(view);
     return true;
   }
 
   /// Makes `slot` the last keyframe.
-  void adopt_keyframe(const View<Sensors>& view, int slot, Tracker& tracker, Motion& motion, Nav& navigation) {
+  void adopt_keyframe(const View<Sensors>& view, int slot, Tracker& tracker, Propagation& propagation,
+                      Nav& navigation) {
     const State x = frames().latest();
     tracker.images().keep(view, x.T_world_body);
     keyframe_ = slot;
     tracked_at_keyframe_ = landmarks_.tracked_count();
-    motion.begin_factor(x);
+    propagation.begin_factor(x);
     is_latest_keyframe_ = true;
     const bool has_covariance = backend_.covariance_of_newest(keyframe_covariance_);
     learn(slot, view.current, view.depth, view.T_body_cam,
           keyframe_covariance_ + navigation.world().at(x.T_world_body));
-    if (Motion::has_imu_factors && !motion.is_initialized()) return;  // its world frame is not that of the navigation
+    if (Propagation::has_imu_factors && !propagation.is_initialized())
+      return;  // its world frame is not that of the navigation
     navigation.set_pose(x.T_world_body);
     if (has_covariance) navigation.set_window_covariance(keyframe_covariance_);
-    if constexpr (Motion::has_imu_factors && !HasVelocityCovariance<Backend>) {
+    if constexpr (Propagation::has_imu_factors && !HasVelocityCovariance<Backend>) {
       Mat<S, MovingLayout::dim, MovingLayout::dim> known;
-      if (backend_.covariance_of_keyframe(known)) motion.set_speed_covariance(known, x.v_world_body);
+      if (backend_.covariance_of_keyframe(known)) propagation.set_speed_covariance(known, x.v_world_body);
     }
   }
 
@@ -246,7 +248,7 @@ class KeyframeWindow {
   void make_room(const View<Sensors>& view) {
     if (!frames().full()) return;
     // The oldest one, where neighbors in time are connected: by scale without depth, by IMU factors.
-    constexpr bool in_order = Motion::has_imu_factors || !Sensors::has_depth;
+    constexpr bool in_order = Propagation::has_imu_factors || !Sensors::has_depth;
     const int slot = KeyframeRule::leaving(frames(), mean_depth(), in_order);
     backend_.retire(view.rig, view.T_body_cam, landmarks_, slot, map_);
   }

@@ -16,11 +16,11 @@ namespace plumbline {
 /// errors of the aligned poses are correlated.
 template <class Initializer>
 void solve_aligned_window(const Initializer& initializer, const LevenbergMarquardtOptions& solver, const auto& view,
-                          auto& window, const auto& motion, const auto& T_body_cam, auto&& state_of) {
+                          auto& window, const auto& propagation, const auto& T_body_cam, auto&& state_of) {
   auto& frames = window.frames();
   const auto restart = [&](auto&& states) {
     window.backend().restart(states, initializer.prior_on_biases(), T_body_cam,
-                             motion.time_offset(initializer.options().max_time_sigma_s));
+                             propagation.time_offset(initializer.options().max_time_sigma_s));
   };
   const auto solve = [&](double length) {
     if constexpr (Initializer::needs_second_view) {

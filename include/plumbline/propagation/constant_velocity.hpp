@@ -1,5 +1,5 @@
 #pragma once
-/// Motion model of a rig without IMU: constant velocity, in the axes of the body. The predicted rotation is replaced by
+/// Propagation of a rig without IMU: constant velocity, in the axes of the body. The predicted rotation is replaced by
 /// that of image alignment where it is valid; the translation is dropped where the images fit better without it. There
 /// are no factors between frames.
 
@@ -7,7 +7,7 @@
 #include "plumbline/core/time.hpp"
 #include "plumbline/feature/view.hpp"
 #include "plumbline/lie/plus.hpp"
-#include "plumbline/motion/motion_model.hpp"
+#include "plumbline/propagation/propagation.hpp"
 #include "plumbline/sensor/rig.hpp"
 #include "plumbline/state/frame_state.hpp"
 #include "plumbline/state/health.hpp"
@@ -21,7 +21,7 @@ struct ConstantVelocityOptions {
 
 struct NoFactor {};
 
-/// The factors of a motion model without any: no state, no code.
+/// The factors of a propagation without any: no state, no code.
 struct NoFactors {
   using Factor = NoFactor;
   explicit NoFactors(const auto& /*options*/) {}

@@ -1,12 +1,12 @@
-// What is a motion model, and what is none.
-#include "plumbline/motion/motion_model.hpp"
+// What satisfies Propagation, and what does not.
+#include "plumbline/propagation/propagation.hpp"
 
 #include <type_traits>
 
 #include "catch.hpp"
 #include "plumbline/camera/pinhole.hpp"
-#include "plumbline/motion/constant_velocity.hpp"
-#include "plumbline/motion/inertial.hpp"
+#include "plumbline/propagation/constant_velocity.hpp"
+#include "plumbline/propagation/inertial.hpp"
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/mono.hpp"
 #include "plumbline/sensor/rgbd.hpp"
@@ -21,9 +21,9 @@ using Camera = Rig<Mono<Pinhole<S>>>;
 template <class S>
 using CameraAndImu = Rig<Rgbd<Pinhole<S>>, Imu>;
 
-static_assert(MotionModel<ConstantVelocity<Camera<float>>> && MotionModel<ConstantVelocity<Camera<double>>>);
-static_assert(MotionModel<Inertial<CameraAndImu<float>>> && MotionModel<Inertial<CameraAndImu<double>>>);
-static_assert(!MotionModel<Camera<float>> && !MotionModel<int>);
+static_assert(Propagation<ConstantVelocity<Camera<float>>> && Propagation<ConstantVelocity<Camera<double>>>);
+static_assert(Propagation<Inertial<CameraAndImu<float>>> && Propagation<Inertial<CameraAndImu<double>>>);
+static_assert(!Propagation<Camera<float>> && !Propagation<int>);
 
 /// Predicts the next frame, but has no factors.
 struct Guess {
@@ -36,16 +36,16 @@ struct Guess {
   State restart(const State& x) { return x; }
   void mark_lost() {}
 };
-static_assert(Predicts<Guess> && !ProvidesFactors<Guess> && !MotionModel<Guess>);
+static_assert(Predicts<Guess> && !ProvidesFactors<Guess> && !Propagation<Guess>);
 
-// What a model does not need its frames do not have.
+// What a policy does not need its frames do not have.
 static_assert(std::is_same_v<ConstantVelocity<Camera<float>>::Layout, VisualLayout>);
 static_assert(std::is_same_v<Inertial<CameraAndImu<float>>::Layout, InertialLayout>);
 static_assert(std::is_empty_v<ConstantVelocity<Camera<float>>::Factor>);
 
 }  // namespace
 
-TEST_CASE("motion_model: without a sigma there is no prior about a pose") {
+TEST_CASE("propagation: without a sigma there is no prior about a pose") {
   const PosePrior<float> prior;
   CHECK_FALSE(prior.valid);
   CHECK(prior.sigma.norm() == 0);

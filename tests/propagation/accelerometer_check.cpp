@@ -1,4 +1,4 @@
-#include "plumbline/motion/accelerometer_check.hpp"
+#include "plumbline/propagation/accelerometer_check.hpp"
 
 #include "catch.hpp"
 #include "plumbline/testing/gaussian.hpp"

@@ -1,5 +1,5 @@
 // IMU samples between frames: each is integrated once, whatever the image rate.
-#include "plumbline/motion/imu_integrator.hpp"
+#include "plumbline/propagation/imu_integrator.hpp"
 
 #include <cmath>
 

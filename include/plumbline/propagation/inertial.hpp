@@ -1,5 +1,5 @@
 #pragma once
-/// Motion model of a rig with an IMU: IMU samples predict the next frame and give the IMU factor to the last keyframe.
+/// Propagation of a rig with an IMU: IMU samples predict the next frame and give the IMU factor to the last keyframe.
 ///                                                                                docs/math/inertial_window.md
 /// Before initialization the gyroscope predicts the rotation and the velocity of the images the translation. While the
 /// IMU is unusable (samples missing or saturated) images give both.
@@ -14,13 +14,13 @@
 #include "plumbline/feature/view.hpp"
 #include "plumbline/imu/stationarity.hpp"
 #include "plumbline/lie/plus.hpp"
-#include "plumbline/motion/accelerometer_check.hpp"
-#include "plumbline/motion/camera_time_offset.hpp"
-#include "plumbline/motion/gyroscope_check.hpp"
-#include "plumbline/motion/imu_factors.hpp"
-#include "plumbline/motion/imu_integrator.hpp"
-#include "plumbline/motion/inertial_options.hpp"
-#include "plumbline/motion/motion_model.hpp"
+#include "plumbline/propagation/accelerometer_check.hpp"
+#include "plumbline/propagation/camera_time_offset.hpp"
+#include "plumbline/propagation/gyroscope_check.hpp"
+#include "plumbline/propagation/imu_factors.hpp"
+#include "plumbline/propagation/imu_integrator.hpp"
+#include "plumbline/propagation/inertial_options.hpp"
+#include "plumbline/propagation/propagation.hpp"
 #include "plumbline/sensor/rig.hpp"
 #include "plumbline/state/camera_imu_filter.hpp"
 #include "plumbline/state/frame_state.hpp"

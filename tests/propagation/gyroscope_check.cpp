@@ -1,4 +1,4 @@
-#include "plumbline/motion/gyroscope_check.hpp"
+#include "plumbline/propagation/gyroscope_check.hpp"
 
 #include "catch.hpp"
 #include "plumbline/testing/gaussian.hpp"

@@ -1,4 +1,4 @@
-#include "plumbline/motion/dead_reckoning.hpp"
+#include "plumbline/propagation/dead_reckoning.hpp"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 #pragma once
-// A view for motion models, which look at its times and poses alone.
+// A view for propagation policies, which look at its times and poses alone.
 
 #include <memory>
 

@@ -1,6 +1,6 @@
 // The increments between the frames of a window: their rows, their cost, and when the samples are integrated again.
 //                                                                                docs/math/inertial_window.md
-#include "plumbline/motion/imu_factors.hpp"
+#include "plumbline/propagation/imu_factors.hpp"
 
 #include <algorithm>
 #include <memory>

@@ -1,12 +1,12 @@
 #pragma once
-/// Options of the motion model of a rig with an IMU: noise inflation, gates, detection of a stationary body.
+/// Options of the propagation of a rig with an IMU: noise inflation, gates, detection of a stationary body.
 
 #include <algorithm>
 
 #include "plumbline/imu/stationarity.hpp"
-#include "plumbline/motion/accelerometer_check.hpp"
-#include "plumbline/motion/gyroscope_check.hpp"
-#include "plumbline/motion/imu_factors.hpp"
+#include "plumbline/propagation/accelerometer_check.hpp"
+#include "plumbline/propagation/gyroscope_check.hpp"
+#include "plumbline/propagation/imu_factors.hpp"
 #include "plumbline/state/camera_imu_filter.hpp"
 
 namespace plumbline {

@@ -1,6 +1,6 @@
 #pragma once
-/// A motion model predicts the next frame, with a prior of its pose, and gives the factors between the frames of the
-/// window. It owns the measurements of the motion sensors since the latest frame.
+/// A propagation policy predicts the next frame, with a prior of its pose, and gives the factors between the frames of
+/// the window. It owns the measurements of the motion sensors since the latest frame.
 ///
 ///   calibrate           applies the estimated calibration to the rig (RigState); returns the time offset [s]
 ///   begin_frame         integrates the measurements up to a frame; the latest state is null before the first frame
@@ -49,19 +49,19 @@ SE3<S> with_image_rotation(const SE3<S>& T, const auto& view, auto&& align_motio
 
 /// The prediction. angular_rate [rad/s] and velocity [m/s] are those of the body in this frame, in its own axes.
 template <class M>
-concept Predicts = requires(M& motion, const M& known, const typename M::State& x, typename M::S dt) {
-  motion.begin_frame(TimeNs{}, &x, dt);
+concept Predicts = requires(M& propagation, const M& known, const typename M::State& x, typename M::S dt) {
+  propagation.begin_frame(TimeNs{}, &x, dt);
   { known.angular_rate() } -> std::convertible_to<Vec<typename M::S, 3>>;
   { known.velocity(x) } -> std::convertible_to<Vec<typename M::S, 3>>;
   { known.can_propagate() } -> std::convertible_to<bool>;
-  { motion.restart(x) } -> std::same_as<typename M::State>;
-  motion.mark_lost();
+  { propagation.restart(x) } -> std::same_as<typename M::State>;
+  propagation.mark_lost();
 };
 
 /// The factors. `is_initialized`: factors are active, so every frame is solved together with the window.
 /// `has_imu_factors`: each factor connects a frame with the previous one in time.
 template <class M>
-concept ProvidesFactors = requires(M& motion, const M& known, const typename M::State& x) {
+concept ProvidesFactors = requires(M& propagation, const M& known, const typename M::State& x) {
   typename M::Layout;  // state blocks of a frame
   typename M::Factor;
   typename M::template Factors<4>;
@@ -69,10 +69,10 @@ concept ProvidesFactors = requires(M& motion, const M& known, const typename M::
   { known.is_initialized() } -> std::convertible_to<bool>;
   { known.is_stationary() } -> std::convertible_to<bool>;
   { known.factor(0) } -> std::same_as<typename M::Factor>;
-  motion.begin_factor(x);
+  propagation.begin_factor(x);
 };
 
 template <class M>
-concept MotionModel = Predicts<M> && ProvidesFactors<M>;
+concept Propagation = Predicts<M> && ProvidesFactors<M>;
 
 }  // namespace plumbline

@@ -1,4 +1,4 @@
-#include "plumbline/motion/inertial_options.hpp"
+#include "plumbline/propagation/inertial_options.hpp"
 
 #include "catch.hpp"
 

@@ -1,4 +1,4 @@
-#include "plumbline/motion/camera_time_offset.hpp"
+#include "plumbline/propagation/camera_time_offset.hpp"
 
 #include <cmath>
 

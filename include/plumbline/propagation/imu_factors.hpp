@@ -11,7 +11,7 @@
 #include "plumbline/imu/gravity.hpp"
 #include "plumbline/imu/nav_state.hpp"
 #include "plumbline/imu/preintegration.hpp"
-#include "plumbline/motion/camera_time_offset.hpp"
+#include "plumbline/propagation/camera_time_offset.hpp"
 #include "plumbline/residual/inertial.hpp"
 #include "plumbline/residual/time_offset_shift.hpp"
 #include "plumbline/residual/zero_motion.hpp"
