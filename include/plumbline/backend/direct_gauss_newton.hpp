@@ -8,7 +8,8 @@
 
 #include "plumbline/backend/backend.hpp"
 #include "plumbline/backend/frame_solve.hpp"
-#include "plumbline/backend/sliding_window.hpp"
+#include "plumbline/backend/window_backend.hpp"
+#include "plumbline/backend/window_options.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/factor/frame_factors.hpp"
 #include "plumbline/frontend/direct_alignment.hpp"

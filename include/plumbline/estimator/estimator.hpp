@@ -14,6 +14,7 @@
 
 #include "plumbline/backend/backend.hpp"
 #include "plumbline/core/result.hpp"
+#include "plumbline/estimator/accept_pose.hpp"
 #include "plumbline/estimator/clock.hpp"
 #include "plumbline/estimator/components.hpp"
 #include "plumbline/estimator/composition.hpp"
@@ -24,6 +25,7 @@
 #include "plumbline/estimator/options.hpp"
 #include "plumbline/estimator/outage.hpp"
 #include "plumbline/estimator/publisher.hpp"
+#include "plumbline/estimator/take_in.hpp"
 #include "plumbline/initialization/initialization.hpp"
 #include "plumbline/map/no_map.hpp"
 #include "plumbline/state/navigation.hpp"
@@ -83,7 +85,9 @@ class Estimator {
     if (!tracker_.images().take_in(frame)) return Error::wrong_image_size;
     window_.work_on_map();
     timing_ = {.pyramid = stage.lap()};
-    View<Sensors> view = begin_frame(frame);
+    View<Sensors> view = plumbline::take_in(components(), rig_, frame, !std::exchange(has_frames_, true));
+    initialization_.dead_reckon(propagation_, view.dt);
+    report_ = {};
     const int previous_keyframe = window_.begin_frame();
     if (std::exchange(reset_requested_, false) && status_.has_first_view()) {
       reset(view, TrackingEvent::reset_requested);
@@ -92,7 +96,7 @@ class Estimator {
     } else if (!status_.has_first_view()) {
       initialize(view);
     } else {
-      const Predicted predicted = predict(view);
+      const Predicted predicted = plumbline::predict(components(), view);
       if (status_.has_landmarks()) {
         track(view, predicted, previous_keyframe, stage);
         initialization_.verify_scale(view, propagation_, report_.is_inconsistent);
@@ -168,32 +172,6 @@ class Estimator {
     return {tracker_, window_, propagation_, rig_state_, navigation_, report_, status_};
   }
 
-  /// Takes the frame in: the calibration in force from now on, the IMU samples since the previous frame, its view.
-  View<Sensors> begin_frame(const Frame& frame) {
-    const S dt = S(seconds_between(navigation_.t_ns(), frame.t_ns));
-    const State latest = window_.frames().latest();
-    propagation_.calibrate(rig_state_, window_.frames());
-    propagation_.begin_frame(frame.t_ns, has_frames_ ? &latest : nullptr, dt);
-    View<Sensors> view =
-        tracker_.images().view(rig_, frame, propagation_.T_body_cam(rig_state_.T_body_cam()), rig_state_.readout(), dt);
-    set_shutter_motion(view, propagation_, latest, window_.mean_depth());
-    initialization_.dead_reckon(propagation_, dt);
-    has_frames_ = true;
-    report_ = {};
-    return view;
-  }
-
-  /// Predicts the state of the frame, and from it the motion during its readout.
-  Predicted predict(View<Sensors>& view) {
-    const auto align_motion = [&](const SE3<S>& guess) {
-      return tracker_.images().align_motion(view, guess, window_.mean_depth(), tracker_.is_after_gap(view.t_ns));
-    };
-    const Predicted predicted =
-        propagation_.predict(window_.frames().latest(), view, S(tracker_.outage_s(view.t_ns)), align_motion);
-    set_shutter_motion(view, propagation_, predicted.state, window_.mean_depth());
-    return predicted;
-  }
-
   /// Tracks the frame's features and solves for its state; `previous_keyframe` is the slot of the previous frame if
   /// that is a keyframe, else -1.
   void track(View<Sensors>& view, const Predicted& predicted, int previous_keyframe, Stopwatch<TimeSource>& stage) {
@@ -218,46 +196,20 @@ class Estimator {
       const State x = propagation_.update(predicted.state, T, covariance, view);
       if (propagation_.is_initialized()) {
         task_.solve_in_window(components(), view, x);
-        check_consistency(predicted);
+        inflate_world_frame(propagation_, report_, predicted, navigation_);
       } else {
-        accept_alone(view, x, covariance);
+        task_.accept_alone(components(), view, x, covariance, initialization_);
       }
       outage_.found_pose(propagation_, view);
     }
     timing_.map = stage.lap();
   }
 
-  /// Accepts the pose of a frame without IMU factors, and makes it a keyframe where one is needed.
-  void accept_alone(const View<Sensors>& view, const State& x, const Covariance& covariance) {
-    window_.frames().set_latest(x);
-    tracker_.images().keep(view, x.T_world_body);
-    window_.accept_latest(propagation_, navigation_, report_);
-    // Covariance of the keyframe, carried to this body by the adjoint, plus that of the motion since.
-    navigation_.set_window_covariance(window_.covariance_of(x.T_world_body, covariance));
-    tracker_.locate(view, window_.frames(), window_.landmarks());
-    tracker_.set_usable(view.t_ns);
-    const bool ready_to_align = initialization_.add_pose(view, covariance, components()),
-               needed = window_.needs_keyframe(view, propagation_);
-    if (ready_to_align) {
-      window_.make_keyframe(view, tracker_, propagation_, rig_state_, navigation_);
-      initialization_.align(view, components());
-    } else if (needed) {
-      task_.make_keyframe(components(), view);
-    }
-  }
-
   /// A frame without a pose: its navigation state is propagated or held, or the estimator is reset.
   void bridge(const View<Sensors>& view, const State& predicted, HealthReason failure) {
-    propagation_.mark_lost();
-    status_.handle(failure == HealthReason::images_repeat   ? TrackingEvent::image_unusable
-                   : failure == HealthReason::imu_disagrees ? TrackingEvent::imu_vision_inconsistent
-                                                            : TrackingEvent::no_pose);
-    const bool is_bridged =
-        propagation_.can_propagate()
-            ? outage_.propagate(view, failure, predicted, tracker_, window_, propagation_, navigation_, report_)
-            : outage_.hold(view, failure, initialization_.lost_frame_limit(max_lost_frames_), tracker_, window_,
-                           navigation_, report_);
-    if (!is_bridged) reset(view, TrackingEvent::outage_too_long);
+    const int max_lost_frames = initialization_.lost_frame_limit(max_lost_frames_);
+    if (!outage_.bridge(view, failure, predicted, max_lost_frames, components()))
+      reset(view, TrackingEvent::outage_too_long);
   }
 
   /// Begins a new initialization with this frame, at the pose of the navigation state.
@@ -275,17 +227,6 @@ class Estimator {
       initialization_.mark_lost(window_.frames(), navigation_);
     }
     initialization_.set_first_view(view, components());
-  }
-
-  /// Adds inflation for unmodeled error to the uncertainty of the world frame: the rotation that a gyroscope bias jump
-  /// may have caused, about any axis since tilt is taken for accelerometer bias; and, while images and IMU disagree,
-  /// the difference between the solved and the predicted pose when it exceeds the gate.
-  void check_consistency(const Predicted& predicted) {
-    const SE3<S>& T = navigation_.T_world_body();
-    if (propagation_.gyro_jump_rotation() > S(0))
-      navigation_.world().add_rotation_uncertainty(T, propagation_.gyro_jump_rotation());
-    if (report_.is_inconsistent && !propagation_.passes_gate(predicted, T))
-      navigation_.world().inflate(minus(T, predicted.state.T_world_body));
   }
 
   const Sensors rig_;

@@ -15,6 +15,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "plumbline/estimator/accept_pose.hpp"
 #include "plumbline/estimator/components.hpp"
 #include "plumbline/estimator/executor.hpp"
 #include "plumbline/feature/view.hpp"
@@ -22,19 +23,11 @@
 
 namespace plumbline {
 
-/// A frame with IMU factors has been solved for with the window: the navigation state follows.
-template <class Parts, class MapT>
-void accept_in_window(const Components<Parts, MapT>& on, const View<typename Parts::Sensors>& view) {
-  on.tracker.images().keep(view, on.window.frames().latest().T_world_body);
-  on.window.accept_latest(on.propagation, on.navigation, on.report);
-  on.tracker.set_usable(view.t_ns);
-  on.window.update_covariance(on.propagation, on.navigation);
-}
-
 template <class Parts, class MapT, Executor E>
 class KeyframeTask {
   using On = Components<Parts, MapT>;
   using Sensors = typename Parts::Sensors;
+  using S = typename Parts::S;
   using State = typename Parts::Propagation::State;
 
  public:
@@ -46,8 +39,20 @@ class KeyframeTask {
     if (planned_ == Planned::nothing) on.tracker.locate(view, on.window.frames(), on.window.landmarks());
     accept_in_window(on, view);
   }
-  /// Makes the latest frame, which has a pose but no IMU factors, a keyframe.
-  void make_keyframe(const On&, const View<Sensors>&) { planned_ = Planned::make_keyframe; }
+  /// Accepts the pose of a frame without IMU factors. It becomes a keyframe where one is needed, and at once where the
+  /// initialization is to align vision and IMU.
+  void accept_alone(const On& on, const View<Sensors>& view, const State& x, const Mat<S, 6, 6>& covariance,
+                    auto& initialization) {
+    plumbline::accept_alone(on, view, x, covariance);
+    const bool ready_to_align = initialization.add_pose(view, covariance, on),
+               needed = on.window.needs_keyframe(view, on.propagation);
+    if (ready_to_align) {
+      on.window.make_keyframe(view, on.tracker, on.propagation, on.rig_state, on.navigation);
+      initialization.align(view, on);
+    } else if (needed) {
+      planned_ = Planned::make_keyframe;
+    }
+  }
 
   /// Whether the frame becomes a keyframe after it is published.
   bool is_planned() const { return planned_ != Planned::nothing; }

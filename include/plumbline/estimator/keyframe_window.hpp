@@ -5,7 +5,6 @@
 /// with the window; unless it becomes a keyframe it is temporary, and is removed without marginalization when the next
 /// comes.
 
-#include <cstdint>
 #include <type_traits>
 #include <utility>
 
@@ -15,10 +14,9 @@
 #include "plumbline/core/time.hpp"
 #include "plumbline/estimator/frame_report.hpp"
 #include "plumbline/estimator/frame_tracker.hpp"
+#include "plumbline/estimator/map_updates.hpp"
 #include "plumbline/estimator/options.hpp"
 #include "plumbline/estimator/shutter_motion.hpp"
-#include "plumbline/image/image_view.hpp"
-#include "plumbline/map/map.hpp"
 #include "plumbline/state/navigation.hpp"
 #include "plumbline/state/rig_state.hpp"
 
@@ -26,9 +24,6 @@ namespace plumbline {
 
 template <class Parts, class MapT>
 class KeyframeWindow {
-  static_assert(Map<MapT, typename Parts::Sensors, typename Parts::Window, typename Parts::Landmarks>,
-                "plumbline: a map has on_keyframe, on_retired, on_world_change, work and S_map_world, see map/map.hpp");
-
  public:
   using Sensors = typename Parts::Sensors;
   using S = typename Parts::S;
@@ -46,9 +41,9 @@ class KeyframeWindow {
   KeyframeWindow(const Sensors& rig, const EstimatorOptions<Parts>& options, const auto& map_options)
       : landmarks_(Parts::FrontEnds::make_landmarks(options)),
         backend_(options.backend, options.propagation),
-        map_(rig, map_options),
         rule_(options.keyframe),
-        min_tracked_(2 * options.pose.min_inliers) {}
+        min_tracked_(2 * options.pose.min_inliers),
+        map_updates_(rig, map_options) {}
 
   Frames& frames() { return backend_.window(); }
   const Frames& frames() const { return backend_.window(); }
@@ -56,10 +51,10 @@ class KeyframeWindow {
   const Landmarks& landmarks() const { return landmarks_; }
   Backend& backend() { return backend_; }
   const Backend& backend() const { return backend_; }
-  const MapT& map() const { return map_; }
-  MapT& map() { return map_; }
+  const MapT& map() const { return map_updates_.map(); }
+  MapT& map() { return map_updates_.map(); }
   /// Gives the map its time in this frame.
-  void work_on_map() { map_.work(); }
+  void work_on_map() { map().work(); }
 
   /// Slot of the last keyframe.
   int keyframe() const { return keyframe_; }
@@ -81,8 +76,7 @@ class KeyframeWindow {
 
   /// Removes all landmarks and frames, and inserts the frame as first keyframe at x. Returns its slot.
   int reset(const View<Sensors>& view, const State& x, Tracker& tracker, const RigState<Sensors>& rig_state) {
-    if (!std::exchange(is_rejected_, false)) hand_over();
-    map_.on_world_change(WorldChange<S>{WorldChange<S>::Kind::reset});
+    map_updates_.reset(backend_, landmarks_, temporary_);
     landmarks_.for_each([](auto& store) { store.clear(); });
     tracker.front_ends().begin_initialization();
     temporary_ = none;
@@ -197,8 +191,8 @@ class KeyframeWindow {
     propagation.begin_factor(x);
     is_latest_keyframe_ = true;
     const bool has_covariance = backend_.covariance_of_newest(keyframe_covariance_);
-    learn(slot, view.current, view.depth, view.T_body_cam,
-          keyframe_covariance_ + navigation.world().at(x.T_world_body));
+    map_updates_.adopt(slot, frames(), landmarks_, view.current, view.depth, view.T_body_cam,
+                       keyframe_covariance_ + navigation.world().at(x.T_world_body));
     if (Propagation::has_imu_factors && !propagation.is_initialized())
       return;  // its world frame is not that of the navigation
     navigation.set_pose(x.T_world_body);
@@ -211,38 +205,14 @@ class KeyframeWindow {
 
   /// Poses are in another world and unit from now on, x_new = S_new_old x_old.
   void transform_map(const Sim3<S>& S_new_old, const SE3<S>& T_body_cam) {
-    map_.on_world_change(WorldChange<S>{WorldChange<S>::Kind::transformed, S_new_old, T_body_cam});
+    map_updates_.transform(S_new_old, T_body_cam);
   }
-  /// The initialization was wrong: what the map learned of this world is wrong, and so is the window until its reset.
-  void reject_map() {
-    map_.on_world_change(WorldChange<S>{WorldChange<S>::Kind::rejected});
-    is_rejected_ = true;
-  }
-  /// Hands all keyframes of the window to the map, from the oldest to the newest, before they are removed.
-  void hand_over() {
-    if constexpr (std::is_empty_v<MapT>) return;
-    std::uint32_t last = 0;
-    for (;;) {
-      int next = none;
-      for (int slot = 0; slot < Frames::slots; ++slot) {
-        const auto& frame = frames()[slot];
-        if (!frame.used || slot == temporary_ || frame.sequence <= last) continue;
-        if (next == none || frame.sequence < frames()[next].sequence) next = slot;
-      }
-      if (next == none) break;
-      last = frames()[next].sequence;
-      map_.on_retired(backend_.retired(next, landmarks_));
-    }
-  }
+  /// The initialization was wrong.
+  void reject_map() { map_updates_.reject(); }
+  /// Hands all keyframes of the window to the map, from the oldest to the newest.
+  void hand_over() { map_updates_.hand_over(backend_, landmarks_, temporary_); }
 
  private:
-  /// Tells the map of a keyframe, once: the last one of an initialization is adopted twice.
-  void learn(int slot, const RigPyramid<Sensors>& image, const ImageView<const std::uint16_t>& depth,
-             const SE3<S>& T_body_cam, const Covariance& covariance) {
-    if (std::exchange(learned_, frames()[slot].sequence) == frames()[slot].sequence) return;
-    map_.on_keyframe(
-        AdoptedKeyframe<Frames, Sensors, Landmarks>(slot, frames(), image, depth, T_body_cam, covariance, landmarks_));
-  }
   double motion_px() const { return landmarks_.motion_since(keyframe_); }
   /// Retires a keyframe from a full window, so that there is a slot for the next frame.
   void make_room(const View<Sensors>& view) {
@@ -250,7 +220,7 @@ class KeyframeWindow {
     // The oldest one, where neighbors in time are connected: by scale without depth, by IMU factors.
     constexpr bool in_order = Propagation::has_imu_factors || !Sensors::has_depth;
     const int slot = KeyframeRule::leaving(frames(), mean_depth(), in_order);
-    backend_.retire(view.rig, view.T_body_cam, landmarks_, slot, map_);
+    backend_.retire(view.rig, view.T_body_cam, landmarks_, slot, map());
   }
   void drop_temporary() {
     if (temporary_ != none) backend_.drop(landmarks_, std::exchange(temporary_, none));
@@ -259,24 +229,21 @@ class KeyframeWindow {
   void keep_temporary(const View<Sensors>& view) {
     if (temporary_ != none) {
       keyframe_ = std::exchange(temporary_, none);
-      learn(keyframe_, view.previous, {}, view.T_body_cam, keyframe_covariance_);
+      map_updates_.adopt(keyframe_, frames(), landmarks_, view.previous, {}, view.T_body_cam, keyframe_covariance_);
     }
     make_room(view);
   }
 
   Landmarks landmarks_;
   Backend backend_;
-  [[no_unique_address]] MapT map_;
   KeyframeRule rule_;
   [[no_unique_address]] ReadoutEstimation<Backend> readout_;
-  int keyframe_ = 0,
-      temporary_ = none;  ///< slots of the last keyframe, and of the latest frame unless it is a keyframe
-  int min_tracked_;       ///< fewer landmarks in a frame are few; tuned: docs/decisions/131 (chosen)
+  int keyframe_ = 0, temporary_ = none;  ///< slots of the last keyframe, and of the latest frame if it is none
+  int min_tracked_;                      ///< fewer landmarks in a frame are few; tuned: docs/decisions/131 (chosen)
   int tracked_at_keyframe_ = 0;
   bool is_stationary_ = false;  ///< the body is at rest, in this frame and the previous one
   bool is_latest_keyframe_ = false;
-  bool is_rejected_ = false;   ///< the initialization of this window
-  std::uint32_t learned_ = 0;  ///< sequence of the keyframe that the map was told of last
+  MapUpdates<Parts, MapT> map_updates_;
   Covariance keyframe_covariance_ = zeros<Covariance>();
 };
 

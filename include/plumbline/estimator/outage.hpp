@@ -5,11 +5,13 @@
 #include <algorithm>
 
 #include "plumbline/core/time.hpp"
+#include "plumbline/estimator/components.hpp"
 #include "plumbline/estimator/frame_report.hpp"
 #include "plumbline/estimator/keyframe_window.hpp"
 #include "plumbline/estimator/options.hpp"
 #include "plumbline/feature/view.hpp"
 #include "plumbline/state/health.hpp"
+#include "plumbline/state/tracking_state.hpp"
 
 namespace plumbline {
 
@@ -38,6 +40,18 @@ class Outage {
   void reset() {
     lost_frames_ = 0;
     imu_only_s_ = 0;
+  }
+
+  /// A frame without a pose: `predicted` is propagated, or the last pose is held. False when a reset is due.
+  bool bridge(const View<Sensors>& view, HealthReason failure, const State& predicted, int max_lost_frames,
+              const Components<Parts, MapT>& on) {
+    on.propagation.mark_lost();
+    on.status.handle(failure == HealthReason::images_repeat   ? TrackingEvent::image_unusable
+                     : failure == HealthReason::imu_disagrees ? TrackingEvent::imu_vision_inconsistent
+                                                              : TrackingEvent::no_pose);
+    return on.propagation.can_propagate()
+               ? propagate(view, failure, predicted, on.tracker, on.window, on.propagation, on.navigation, on.report)
+               : hold(view, failure, max_lost_frames, on.tracker, on.window, on.navigation, on.report);
   }
 
   /// Rigs without IMU: holds the last pose and tries up to `max_lost_frames` images against the last usable one.

@@ -9,6 +9,13 @@
 
 namespace plumbline {
 
+/// Gives the initializer the poses of the window, which have been solved since they were added.
+void correct_poses(auto& initializer, const auto& frames, const auto& T_body_cam) {
+  for (int slot = 0; slot < frames.slots; ++slot) {
+    if (frames[slot].used) initializer.correct(frames[slot].t_ns, frames.T_world_body(slot) * T_body_cam);
+  }
+}
+
 /// Restarts the window at the states of the alignment, `state_of(slot)`, and solves it; then once more, linearized at
 /// the solution: the states of the alignment are too inaccurate for that. IMU factors are active from now on, the prior
 /// is that of the alignment. Without depth the distance between the oldest and the newest frame is held by the sigma of

@@ -8,42 +8,18 @@
 #include <array>
 
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/factor/zero_velocity.hpp"
 #include "plumbline/imu/gravity.hpp"
 #include "plumbline/imu/nav_state.hpp"
 #include "plumbline/imu/preintegration.hpp"
 #include "plumbline/propagation/camera_time_offset.hpp"
+#include "plumbline/propagation/imu_factor.hpp"
 #include "plumbline/residual/inertial.hpp"
 #include "plumbline/residual/time_offset_shift.hpp"
-#include "plumbline/residual/zero_motion.hpp"
 #include "plumbline/state/estimated.hpp"
 #include "plumbline/state/layout.hpp"
 
 namespace plumbline {
-
-struct ImuFactorOptions {
-  double gravity = standard_gravity<double>;  ///< magnitude of gravity [m/s^2]; geometry: mid-latitudes
-  /// Sigma of the velocity of a stationary body [m/s]; tuned: docs/decisions/130 (chosen).
-  double zero_velocity_sigma = 0.01;
-  /// Sigma of the rotation between stationary frames [rad]; tuned: docs/decisions/130 (chosen).
-  double stationary_rotation_sigma = 2e-3;
-  /// Sigma of the translation between stationary frames [m]; tuned: docs/decisions/130 (chosen).
-  double stationary_position_sigma = 2e-3;
-  /// Sigma of a suspect accelerometer over one second [m/s^2]; tuned: docs/decisions/015.
-  double suspect_accel_sigma = 20;
-  /// Sigma of the change of the gyroscope bias at a jump [rad/s]; sensor: zero-rate offset of MEMS, about 10 deg/s.
-  double jump_gyro_bias = 0.2;
-};
-
-/// The IMU factor of a frame to the frame in slot `previous`, -1 for none.
-template <class S>
-struct ImuFactor {
-  int previous = -1;
-  Preintegration<S> increment;             ///< samples between the two frames
-  bool is_stationary = false;              ///< the body is at rest since the previous frame
-  bool jumped = false;                     ///< the gyroscope bias has jumped since the previous frame
-  SampleBoundary<S> begin = {}, end = {};  ///< boundaries of the samples
-  bool is_accel_suspect = false;           ///< the accelerometer is suspect, see AccelerometerCheck
-};
 
 template <class S, int Slots>
 class ImuFactors {
@@ -133,7 +109,9 @@ class ImuFactors {
           take(i, inertial.J_r_i, j, inertial.J_r_j, J_offset, inertial.r);
         }
       }
-      if (weighted.factor.is_stationary) take_zero_velocity(i, x_i, x_i0, j, x_j, x_j0, take);
+      if (!weighted.factor.is_stationary) continue;
+      const auto at_rest = zero_velocity().linearize(x_i, x_i0, x_j, x_j0);
+      take(i, at_rest.J_i, j, at_rest.J_j, zeros<S, ZeroVelocityFactor<S>::rows>(), at_rest.r);
     }
   }
 
@@ -149,10 +127,7 @@ class ImuFactors {
             InertialResidual<S>{weighted.factor.increment.increment(), gravity_}.residual(at.begin(x_i), at.end(x_j));
         sum += squared_norm(times(weighted.L, r)) / 2;
       }
-      if (!weighted.factor.is_stationary) continue;
-      const Vec<S, 6> r = minus(x_j.T_world_body, x_i.T_world_body);
-      sum += squared_norm(cwise_product(stationary_weights(), r)) / 2;
-      sum += squared_norm(x_j.v_world_body) / (2 * options_.zero_velocity_sigma * options_.zero_velocity_sigma);
+      if (weighted.factor.is_stationary) zero_velocity().add_cost(x_i, x_j, sum);
     }
     return sum;
   }
@@ -233,41 +208,8 @@ class ImuFactors {
     return P;
   }
 
-  /// Rows of the zero-velocity update: no motion since frame i, no velocity in frame j.
-  void take_zero_velocity(int i, const NavState<S>& x_i, const NavState<S>& x_i0, int j, const NavState<S>& x_j,
-                          const NavState<S>& x_j0, auto&& take) const {
-    constexpr int motion_dim = ZeroMotion<S>::dim, rows = motion_dim + ZeroVelocity<S>::dim;
-    constexpr int at_v = Layout::offset<state::Velocity>;
-    const auto motion =
-        ZeroMotion<S>{}.linearize(x_i.T_world_body, x_j.T_world_body, x_i0.T_world_body, x_j0.T_world_body);
-    const auto velocity = ZeroVelocity<S>{}.linearize(x_j.v_world_body);
-    const Vec<S, motion_dim> w = stationary_weights();
-    const S w_v = S(1 / options_.zero_velocity_sigma);
-    Mat<S, rows, Layout::dim> J_i, J_j;
-    Vec<S, rows> r;
-    set_zero(J_i);
-    set_zero(J_j);
-    for (int k = 0; k < motion_dim; ++k) {
-      for (int c = 0; c < state::Pose::dim; ++c) {
-        J_i(k, c) = w[k] * motion.J_r_i(k, c);
-        J_j(k, c) = w[k] * motion.J_r_j(k, c);
-      }
-      r[k] = w[k] * motion.r[k];
-    }
-    for (int k = 0; k < ZeroVelocity<S>::dim; ++k) {
-      for (int c = 0; c < state::Velocity::dim; ++c) J_j(motion_dim + k, at_v + c) = w_v * velocity.J_r_v(k, c);
-      r[motion_dim + k] = w_v * velocity.r[k];
-    }
-    take(i, J_i, j, J_j, zeros<S, rows>(), r);
-  }
-
-  Vec<S, 6> stationary_weights() const {
-    Vec<S, 6> w;
-    for (int k = 0; k < 3; ++k) {
-      w[k] = S(1 / options_.stationary_rotation_sigma);
-      w[3 + k] = S(1 / options_.stationary_position_sigma);
-    }
-    return w;
+  ZeroVelocityFactor<S> zero_velocity() const {
+    return {options_.zero_velocity_sigma, options_.stationary_rotation_sigma, options_.stationary_position_sigma};
   }
 
   ImuFactorOptions options_;
