@@ -2,6 +2,7 @@
 
 #include "catch.hpp"
 #include "plumbline/lie/plus.hpp"
+#include "plumbline/state/layout.hpp"
 
 using namespace plumbline;
 

@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "catch.hpp"
+#include "plumbline/camera/pinhole.hpp"
 #include "plumbline/factor/absolute_position.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/points.hpp"

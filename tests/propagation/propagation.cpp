@@ -25,18 +25,38 @@ static_assert(Propagation<ConstantVelocity<Camera<float>>> && Propagation<Consta
 static_assert(Propagation<Inertial<CameraAndImu<float>>> && Propagation<Inertial<CameraAndImu<double>>>);
 static_assert(!Propagation<Camera<float>> && !Propagation<int>);
 
-/// Predicts the next frame, but has no factors.
+/// Predicts the next frame, but knows nothing of keyframes and factors.
 struct Guess {
   using S = float;
-  using State = PoseState<S>;
+  using Sensors = Camera<float>;
+  using Layout = VisualLayout;
+  using State = FrameValue<S, Layout>;
+  struct Factor {};
+  struct Options {};
+  template <int>
+  struct Factors {};
+  static constexpr bool has_imu_factors = false;
+  Guess(const Sensors&, const Options&) {}
+  void calibrate(auto&, const auto&) {}
   void begin_frame(TimeNs, const State*, S) {}
-  Vec<S, 3> angular_rate() const { return Vec<S, 3>::Zero(); }
-  Vec<S, 3> velocity(const State&) const { return Vec<S, 3>::Zero(); }
+  SE3<S> T_body_cam(const SE3<S>& T) const { return T; }
+  Prediction<State, S> predict(const State& x, const auto&, S, auto&&) { return {x, {}}; }
   bool can_propagate() const { return false; }
+  Mat<S, 6, 6> grown_covariance(const Mat<S, 6, 6>& before, S) const { return before; }
   State restart(const State& x) { return x; }
   void mark_lost() {}
 };
-static_assert(Predicts<Guess> && !ProvidesFactors<Guess> && !Propagation<Guess>);
+static_assert(Predicts<Guess> && !ChecksPoses<Guess> && !ProvidesFactors<Guess> && !Propagation<Guess>);
+
+/// Has lost one call.
+struct WithoutReset : Guess {
+  using Guess::Guess;
+  State restart(const State&) = delete;
+};
+static_assert(!Predicts<WithoutReset>);
+
+// An IMU gives more than constant velocity has.
+static_assert(!PropagatesByImu<ConstantVelocity<Camera<float>>> && PropagatesByImu<Inertial<CameraAndImu<float>>>);
 
 // What a policy does not need its frames do not have.
 static_assert(std::is_same_v<ConstantVelocity<Camera<float>>::Layout, VisualLayout>);

@@ -33,12 +33,13 @@
 
 namespace plumbline {
 
-template <class Sensors, class FeatureSet, class BackendPolicy, Clock TimeSource = NoClock, class MapPolicy = NoMap,
+template <class Sensors, class FeatureSet, class BackendPolicy, Clock TimeSource = NoClock, class MapChoice = NoMap,
           Executor ExecutorPolicy = SynchronousExecutor>
 class Estimator {
   static_assert(SensorRig<Sensors>, "plumbline: argument 1 must be a rig, e.g. Rig<Rgbd<Pinhole<float>>>");
   using Parts = Composition<Sensors, FeatureSet, BackendPolicy>;
-  using Map = typename MapPolicy::template Map<Parts>;
+  static_assert(MapPolicy<MapChoice, Parts>, "plumbline: argument 5 must name a map, see map/map.hpp");
+  using Map = typename MapChoice::template Map<Parts>;
   using Propagation = typename Parts::Propagation;
   using State = typename Propagation::State;
   using Window = KeyframeWindow<Parts, Map>;
@@ -52,7 +53,7 @@ class Estimator {
   using Landmarks = typename Parts::Landmarks;
   using Backend = typename Parts::Backend;
   using Options = EstimatorOptions<Parts>;
-  using MapOptions = typename MapPolicy::Options;
+  using MapOptions = typename MapChoice::Options;
 
   explicit Estimator(const Sensors& rig, const Options& options = {}, const MapOptions& map_options = {})
       : rig_(rig),
