@@ -14,7 +14,7 @@ set(floor_sensor "sensors")
 set(floor_state "state")
 set(floor_feature "features")
 set(floor_factor "factors")
-set(floor_motion "policies")
+set(floor_propagation "policies")
 set(floor_estimator "estimator")
 
 set(boxes "")

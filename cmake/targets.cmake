@@ -11,8 +11,8 @@
 #   plumbline::bag       bags of ROS 1 and ROS 2 as recordings; bzip2, LZ4, Zstandard, SQLite and plumbline::io
 
 # Every folder of the firmware headers, in the order in which they may include one another: only upwards.
-set(plumbline_core_folders core lie solver camera geometry imu residual image tracking sensor state feature factor motion
-    initialization frontend map backend estimator systems)
+set(plumbline_core_folders core lie solver camera geometry imu residual image tracking sensor state feature factor
+    propagation initialization frontend map backend estimator systems)
 
 function(plumbline_add_target name)
   cmake_parse_arguments(ARG "" "" "FOLDERS;FILES;EXCEPT;LINK" ${ARGN})

@@ -1,5 +1,5 @@
 // A front end of one's own: how a kind of feature is found in the next image. A policy names the front end of every
-// kind; here points are followed by comparing blocks of pixels around the place where the motion model expects them,
+// kind; here points are followed by comparing blocks of pixels around the place where the prediction expects them,
 // and all else (detection, refinement against the anchor's pixels, depth) is left to PointFlow.
 #include <algorithm>
 #include <cmath>

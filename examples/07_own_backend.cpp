@@ -22,17 +22,17 @@
 
 namespace pl = plumbline;
 
-template <pl::MotionModel Motion, class LandmarksT, int K>
+template <pl::Propagation PropagationT, class LandmarksT, int K>
 class StructureBackend {
-  static_assert(!Motion::has_imu_factors, "this backend holds all frames fixed: it cannot use IMU factors");
+  static_assert(!PropagationT::has_imu_factors, "this backend holds all frames fixed: it cannot use IMU factors");
 
  public:
-  using Sensors = typename Motion::Sensors;
-  using S = typename Motion::S;
-  using Layout = typename Motion::Layout;
-  using State = typename Motion::State;
-  using Factor = typename Motion::Factor;
-  using Factors = typename Motion::template Factors<K>;
+  using Sensors = typename PropagationT::Sensors;
+  using S = typename PropagationT::S;
+  using Layout = typename PropagationT::Layout;
+  using State = typename PropagationT::State;
+  using Factor = typename PropagationT::Factor;
+  using Factors = typename PropagationT::template Factors<K>;
   using Landmarks = LandmarksT;
   using Window = pl::FrameWindow<S, Layout, K>;
   struct Options {  // reached as `options.backend`
@@ -40,8 +40,8 @@ class StructureBackend {
     double mu = 1e-4;  ///< damping of the first step
   };
 
-  StructureBackend(const Options& options, const typename Motion::Options& motion)
-      : options_(options), factors_(motion) {}
+  StructureBackend(const Options& options, const typename PropagationT::Options& propagation)
+      : options_(options), factors_(propagation) {}
 
   const Window& window() const { return window_; }
   Window& window() { return window_; }
@@ -156,8 +156,8 @@ template <int K, class FrontEndPolicy = pl::Flow>
 struct StructureOnly {
   static constexpr int slots = K;
   using FrontEnds = FrontEndPolicy;
-  template <pl::MotionModel Motion, class Landmarks>
-  using Backend = StructureBackend<Motion, Landmarks, K>;
+  template <pl::Propagation PropagationT, class Landmarks>
+  using Backend = StructureBackend<PropagationT, Landmarks, K>;
 };
 
 int main() {

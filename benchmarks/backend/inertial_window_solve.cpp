@@ -13,7 +13,7 @@
 #include "plumbline/feature/points.hpp"
 #include "plumbline/initialization/depth.hpp"
 #include "plumbline/initialization/inertial.hpp"
-#include "plumbline/motion/inertial.hpp"
+#include "plumbline/propagation/inertial.hpp"
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/rgbd.hpp"
 #include "plumbline/sensor/rig.hpp"

@@ -9,7 +9,7 @@
 #include "plumbline/backend/sliding_window.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/points.hpp"
-#include "plumbline/motion/constant_velocity.hpp"
+#include "plumbline/propagation/constant_velocity.hpp"
 #include "plumbline/sensor/rgbd.hpp"
 #include "plumbline/sensor/rig.hpp"
 #include "plumbline/testing/simulated_points.hpp"

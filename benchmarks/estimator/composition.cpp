@@ -17,7 +17,7 @@
 #include "plumbline/frontend/point_flow.hpp"
 #include "plumbline/geometry/pose_ransac.hpp"
 #include "plumbline/map/no_map.hpp"
-#include "plumbline/motion/constant_velocity.hpp"
+#include "plumbline/propagation/constant_velocity.hpp"
 #include "plumbline/sensor/rgbd.hpp"
 #include "plumbline/state/world_frame_uncertainty.hpp"
 #include "plumbline/testing/rig.hpp"

@@ -11,8 +11,8 @@
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/lines.hpp"
 #include "plumbline/feature/points.hpp"
-#include "plumbline/motion/constant_velocity.hpp"
-#include "plumbline/motion/inertial.hpp"
+#include "plumbline/propagation/constant_velocity.hpp"
+#include "plumbline/propagation/inertial.hpp"
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/mono.hpp"
 #include "plumbline/sensor/rgbd.hpp"
@@ -30,6 +30,7 @@ using Landmarks = typename Features<Points<100>, Lines<40>>::template Landmarks<
 using Camera = typename SlidingWindow<5>::Backend<ConstantVelocity<Visual>, Landmarks<Visual>>;
 using CameraAndImu = typename SlidingWindow<5>::Backend<Inertial<VisualInertial>, Landmarks<VisualInertial>>;
 static_assert(Backend<Camera> && Backend<CameraAndImu>);
+static_assert(InertialBackend<CameraAndImu> && HoldsScale<CameraAndImu> && HoldsDistance<CameraAndImu>);
 
 /// Has frames, and nothing that estimates them.
 struct Frames {
@@ -41,9 +42,12 @@ struct Frames {
   using Landmarks = Camera::Landmarks;
   struct Options {};
   const Window& window() const { return window_; }
+  Window& window() { return window_; }
+  const Camera::Factors& factors() const { return factors_; }
   Window window_;
+  Camera::Factors factors_{0};
 };
-static_assert(HasFrames<Frames> && !Backend<Frames>);
+static_assert(HasFrames<Frames> && !Backend<Frames> && !InertialBackend<Frames> && !HoldsScale<Frames>);
 static_assert(!HasFrames<Camera::Window> && !Backend<int>);
 
 // A frame of a camera is a pose and no more, without factors to others.

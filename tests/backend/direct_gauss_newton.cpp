@@ -8,15 +8,16 @@
 
 #include "backend/simulated_run.hpp"
 #include "catch.hpp"
-#include "plumbline/motion/constant_velocity.hpp"
+#include "plumbline/propagation/constant_velocity.hpp"
 
 using namespace plumbline;
 
 namespace {
 template <class Sensors, int K>
 using PointsOf = typename Features<Points<90>>::template Landmarks<Sensors, K>;
-template <class Policy, class Motion>
-using BackendOf = typename Policy::template Backend<Motion, PointsOf<typename Motion::Sensors, Policy::slots>>;
+template <class Policy, class PropagationT>
+using BackendOf =
+    typename Policy::template Backend<PropagationT, PointsOf<typename PropagationT::Sensors, Policy::slots>>;
 
 using Alone = ConstantVelocity<Rig<Rgbd<Pinhole<float>, 64 * 64>>>;
 static_assert(Backend<BackendOf<DirectGaussNewton<5>, Inertial<test::MonoImu>>>);

@@ -12,8 +12,8 @@
 #include "feature/residuals_of.hpp"
 #include "feature/seen_points.hpp"
 #include "plumbline/feature/features.hpp"
-#include "plumbline/motion/constant_velocity.hpp"
-#include "plumbline/motion/inertial.hpp"
+#include "plumbline/propagation/constant_velocity.hpp"
+#include "plumbline/propagation/inertial.hpp"
 #include "plumbline/sensor/imu.hpp"
 #include "residual/points.hpp"
 
@@ -25,8 +25,8 @@ using MatX = Eigen::MatrixXd;
 using VecX = Eigen::VectorXd;
 
 constexpr int slots = 5, keyframe = 0, frame = 1, next = 2;
-template <class Motion>
-using Window = FrameWindow<double, typename Motion::Layout, slots>;
+template <class PropagationT>
+using Window = FrameWindow<double, typename PropagationT::Layout, slots>;
 
 VecX random_values(Random& random, int n, double size) {
   VecX out(n);
@@ -80,21 +80,21 @@ struct NothingTied : NoFactors {
   NothingTied() : NoFactors(0) {}
 };
 
-template <class MotionT>
+template <class PropagationT>
 struct Scene {
-  using Motion = MotionT;
-  using Sensors = typename Motion::Sensors;
+  using Propagation = PropagationT;
+  using Sensors = typename Propagation::Sensors;
   using Seen = test::SeenPoints<double, Sensors>;
   using Landmarks = LandmarkSet<typename Seen::Store>;
-  using Solve = FrameSolve<Motion, Landmarks>;
-  static constexpr int dim = Motion::Layout::dim, rest = dim - 6;
-  using State = typename Window<Motion>::State;
+  using Solve = FrameSolve<Propagation, Landmarks>;
+  static constexpr int dim = Propagation::Layout::dim, rest = dim - 6;
+  using State = typename Window<Propagation>::State;
 
   Random random{7};
   Seen seen;
   std::unique_ptr<Landmarks> landmarks = std::make_unique<Landmarks>(StoreOptions{});
   std::conditional_t<(rest > 0), TestFactors, NothingTied> factors;
-  Window<Motion> window;
+  Window<Propagation> window;
   Mat<double, dim, dim> of_keyframe = random_covariance<dim>(random, 0.02);
   FrameSolveOptions options;
   std::unique_ptr<Solve> solver = std::make_unique<Solve>();
@@ -104,7 +104,7 @@ struct Scene {
     for (auto& landmark : seen.store->landmarks()) landmark.geometry.sigma_inverse_range = 0.002;
     landmarks->template get<0>() = *seen.store;
     const auto state = [&](int k, double off) {
-      typename Window<Motion>::Value x;
+      typename Window<Propagation>::Value x;
       x.T_world_body = plus(seen.T_world_body[std::size_t(k)], Vec<double, 6>(random_values(random, 6, off)));
       if constexpr (rest > 0) x.v_world_body = random_values(random, 3, 0.3);
       return x;

@@ -29,7 +29,7 @@
 #include "plumbline/initialization/depth.hpp"
 #include "plumbline/initialization/inertial.hpp"
 #include "plumbline/map/no_map.hpp"
-#include "plumbline/motion/inertial.hpp"
+#include "plumbline/propagation/inertial.hpp"
 #include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/mono.hpp"
 #include "plumbline/sensor/rgbd.hpp"
@@ -87,10 +87,10 @@ class BackendRun {
  public:
   static constexpr int K = BackendPolicy::slots;
   using S = typename Sensors::Scalar;
-  using Motion = Inertial<Sensors>;
+  using Propagation = Inertial<Sensors>;
   using FrontEnds = plumbline::FrontEnds<Flow, Sensors, K, Features<Kinds...>>;
   using Landmarks = typename FrontEnds::Landmarks;
-  using Backend = typename BackendPolicy::template Backend<Motion, Landmarks>;
+  using Backend = typename BackendPolicy::template Backend<Propagation, Landmarks>;
 
   explicit BackendRun(std::uint64_t seed, const RunOptions& options = {})
       : options_(options),
@@ -103,7 +103,7 @@ class BackendRun {
     window_options_.extrinsics.position_sigma *= options.noise;
     window_options_.time_offset.sigma_s *= options.noise;
     time_offset_s_ = window_options_.time_offset.sigma_s * testing::Gaussian(testing::stream_seed(seed, 24))();
-    backend_ = std::make_unique<Backend>(window_options_, typename Motion::Options{});
+    backend_ = std::make_unique<Backend>(window_options_, typename Propagation::Options{});
     points_.sigma_px *= options.noise;
     points_.sigma_inverse_depth *= options.noise;
     points_.scatter(options.points, {4.5, 4.5, 3.5}, testing::stream_seed(seed, 21));

@@ -19,7 +19,7 @@
 #include "plumbline/feature/landmark_ties.hpp"
 #include "plumbline/feature/window_terms.hpp"
 #include "plumbline/feature/window_views.hpp"
-#include "plumbline/motion/constant_velocity.hpp"
+#include "plumbline/propagation/constant_velocity.hpp"
 #include "plumbline/solver/levenberg_marquardt.hpp"
 
 using namespace plumbline;

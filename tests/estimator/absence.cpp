@@ -139,8 +139,8 @@ TEST_CASE("absence: a frame of a camera alone is a pose, and a window of them ha
   // The equations of the window alone grow by the squares of 6 and 15.
   STATIC_REQUIRE(sizeof(Inertial::Backend) - sizeof(Bare::Backend) >
                  sizeof(double) * (15 * 15 - 6 * 6) * slots * slots + sizeof(ImuFactors<S, slots>));
-  STATIC_REQUIRE(sizeof(Inertial::Motion) - sizeof(Bare::Motion) > sizeof(ImuBuffer<>));
-  STATIC_REQUIRE(sizeof(Bare::Motion) <= 64);
+  STATIC_REQUIRE(sizeof(Inertial::Propagation) - sizeof(Bare::Propagation) > sizeof(ImuBuffer<>));
+  STATIC_REQUIRE(sizeof(Bare::Propagation) <= 64);
 }
 
 TEST_CASE("absence: an estimator without lines lacks at least their store, their front end and their terms") {
@@ -204,8 +204,8 @@ TEST_CASE("absence: an estimator is the sum of its parts, and a map that keeps n
     using Discard = NoMap::Discard<S>;
     constexpr std::size_t parts =
         sizeof(typename Parts::Sensors) + sizeof(RigState<typename Parts::Sensors>) + sizeof(FrameTracker<Parts>) +
-        sizeof(typename Parts::Landmarks) + sizeof(typename Parts::Backend) + sizeof(typename Parts::Motion) +
-        sizeof(Initialization<Parts>) + sizeof(Navigation<S, typename Parts::Motion::Layout>) +
+        sizeof(typename Parts::Landmarks) + sizeof(typename Parts::Backend) + sizeof(typename Parts::Propagation) +
+        sizeof(Initialization<Parts>) + sizeof(Navigation<S, typename Parts::Propagation::Layout>) +
         sizeof(Outage<Parts, Discard>) + sizeof(Publisher<S>) + sizeof(FrameTiming);
     STATIC_REQUIRE(sizeof(Vio) <= parts + 512);  // alignment, the keyframe's covariance, some counters
     // To the byte, with a map that keeps every alignment.

@@ -30,11 +30,11 @@ using Of = Composition<Sensors, FeatureSet, SlidingWindow<4>>;
 
 }  // namespace
 
-TEST_CASE("composition: the IMU decides on the motion model, and with it on a frame's state and on factors") {
-  STATIC_REQUIRE(std::same_as<Of<MonoRig>::Motion, ConstantVelocity<MonoRig>>);
-  STATIC_REQUIRE(std::same_as<Of<RgbdRig>::Motion, ConstantVelocity<RgbdRig>>);
-  STATIC_REQUIRE(std::same_as<Of<MonoImuRig>::Motion, Inertial<MonoImuRig>>);
-  STATIC_REQUIRE(std::same_as<Of<RgbdImuRig>::Motion, Inertial<RgbdImuRig>>);
+TEST_CASE("composition: the IMU decides on the propagation, and with it on a frame's state and on factors") {
+  STATIC_REQUIRE(std::same_as<Of<MonoRig>::Propagation, ConstantVelocity<MonoRig>>);
+  STATIC_REQUIRE(std::same_as<Of<RgbdRig>::Propagation, ConstantVelocity<RgbdRig>>);
+  STATIC_REQUIRE(std::same_as<Of<MonoImuRig>::Propagation, Inertial<MonoImuRig>>);
+  STATIC_REQUIRE(std::same_as<Of<RgbdImuRig>::Propagation, Inertial<RgbdImuRig>>);
   STATIC_REQUIRE(std::same_as<Of<MonoRig>::Window, FrameWindow<float, VisualLayout, 4>>);
   STATIC_REQUIRE(std::same_as<Of<MonoImuRig>::Window, FrameWindow<float, InertialLayout, 4>>);
   STATIC_REQUIRE(std::same_as<Of<RgbdRig>::Backend::Factors, NoFactors>);

@@ -25,7 +25,7 @@ TEST_CASE("frame_tracker: features of a moved image give the pose of the camera 
   parts.draw(0);
   const auto first = parts.view(1);
   const int slot = window.reset(first, {}, tracker, parts.rig_state);
-  window.adopt_keyframe(first, slot, tracker, parts.motion, parts.navigation);
+  window.adopt_keyframe(first, slot, tracker, parts.propagation, parts.navigation);
   tracker.set_usable(1);
   constexpr int shift_px = 4;
   parts.draw(shift_px);
@@ -33,8 +33,9 @@ TEST_CASE("frame_tracker: features of a moved image give the pose of the camera 
   const SmallParts::Tracker::Predicted predicted{{}, {}};
   SE3<double> T;
   Mat<double, 6, 6> covariance;
-  REQUIRE(tracker.follow(view, predicted, parts.motion, window.frames(), window.landmarks(), T) == HealthReason::none);
-  REQUIRE(tracker.find_pose(view, predicted, parts.motion, window.frames(), window.landmarks(), slot, 0, T,
+  REQUIRE(tracker.follow(view, predicted, parts.propagation, window.frames(), window.landmarks(), T) ==
+          HealthReason::none);
+  REQUIRE(tracker.find_pose(view, predicted, parts.propagation, window.frames(), window.landmarks(), slot, 0, T,
                             covariance) == HealthReason::none);
   CHECK(T.p().x() == Approx(shift_px * 2.0 / 130).epsilon(0.05));  // 2 m away, focal length 130 px
   CHECK(std::abs(T.p().z()) < 0.01);
@@ -50,15 +51,15 @@ TEST_CASE("frame_tracker: an image without features gives no pose, and the reaso
   parts.draw(0);
   const auto first = parts.view(1);
   const int slot = window.reset(first, {}, tracker, parts.rig_state);
-  window.adopt_keyframe(first, slot, tracker, parts.motion, parts.navigation);
+  window.adopt_keyframe(first, slot, tracker, parts.propagation, parts.navigation);
   parts.gray.fill(0);
   auto view = parts.view(2);
   const SmallParts::Tracker::Predicted predicted{{}, {}};
   SE3<double> T;
   Mat<double, 6, 6> covariance;
-  HealthReason failure = tracker.follow(view, predicted, parts.motion, window.frames(), window.landmarks(), T);
+  HealthReason failure = tracker.follow(view, predicted, parts.propagation, window.frames(), window.landmarks(), T);
   if (failure == HealthReason::none)
-    failure =
-        tracker.find_pose(view, predicted, parts.motion, window.frames(), window.landmarks(), slot, 0, T, covariance);
+    failure = tracker.find_pose(view, predicted, parts.propagation, window.frames(), window.landmarks(), slot, 0, T,
+                                covariance);
   CHECK(failure != HealthReason::none);
 }

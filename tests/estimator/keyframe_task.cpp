@@ -208,11 +208,11 @@ TEST_CASE("keyframe_task: the synchronous executor stores no frame") {
   using Discard = NoMap::Discard<double>;
   // Two states and a flag, and no copy of images.
   STATIC_REQUIRE(sizeof(KeyframeTask<Parts, Discard, SynchronousExecutor>) <=
-                 2 * sizeof(typename Parts::Motion::State) + 16);
+                 2 * sizeof(typename Parts::Propagation::State) + 16);
   STATIC_REQUIRE(std::is_trivially_destructible_v<Vo>);
   constexpr std::size_t components =
       sizeof(typename Parts::Sensors) + sizeof(RigState<typename Parts::Sensors>) + sizeof(FrameTracker<Parts>) +
-      sizeof(KeyframeWindow<Parts, Discard>) + sizeof(typename Parts::Motion) + sizeof(Initialization<Parts>) +
+      sizeof(KeyframeWindow<Parts, Discard>) + sizeof(typename Parts::Propagation) + sizeof(Initialization<Parts>) +
       sizeof(Outage<Parts, Discard>) + sizeof(Publisher<double>) + sizeof(Navigation<double, VisualLayout>) +
       sizeof(FrameTiming) + sizeof(KeyframeTask<Parts, Discard, SynchronousExecutor>);
   STATIC_REQUIRE(sizeof(Vo) <= components + 6 * alignof(Vo));  // some counters

@@ -14,7 +14,7 @@ TEST_CASE("keyframe_window: a reset leaves one keyframe, whose landmarks are loc
     const SE3<double> T({}, {1.0 + k, 2, 3});
     const int slot = parts.window->reset(view, {T}, *parts.tracker, parts.rig_state);
     CHECK_FALSE(parts.window->is_latest_keyframe());
-    parts.window->adopt_keyframe(view, slot, *parts.tracker, parts.motion, parts.navigation);
+    parts.window->adopt_keyframe(view, slot, *parts.tracker, parts.propagation, parts.navigation);
     CHECK(parts.window->is_latest_keyframe());
     CHECK(parts.window->frames().size() == 1);
     CHECK(parts.window->keyframe() == slot);
@@ -31,7 +31,7 @@ TEST_CASE("keyframe_window: a frame begins as no keyframe, and knows whether the
   const auto view = parts.view(1);
   const int slot = parts.window->reset(view, {}, *parts.tracker, parts.rig_state);
   CHECK(parts.window->begin_frame() == SmallParts::Window::none);
-  parts.window->adopt_keyframe(view, slot, *parts.tracker, parts.motion, parts.navigation);
+  parts.window->adopt_keyframe(view, slot, *parts.tracker, parts.propagation, parts.navigation);
   CHECK(parts.window->begin_frame() == slot);
   CHECK_FALSE(parts.window->is_latest_keyframe());
   CHECK(parts.window->begin_frame() == SmallParts::Window::none);
@@ -42,7 +42,7 @@ TEST_CASE("keyframe_window: the covariance of a later pose is that of the keyfra
   parts.draw(0);
   const auto view = parts.view(1);
   const int slot = parts.window->reset(view, {}, *parts.tracker, parts.rig_state);
-  parts.window->adopt_keyframe(view, slot, *parts.tracker, parts.motion, parts.navigation);
+  parts.window->adopt_keyframe(view, slot, *parts.tracker, parts.propagation, parts.navigation);
   const Mat<double, 6, 6> keyframe = parts.navigation.covariance();
   const Mat<double, 6, 6> relative = 1e-4 * identity<double, 6>();
   CHECK((parts.window->covariance_of({}, relative) - keyframe - relative).norm() < 1e-12);
@@ -58,13 +58,13 @@ TEST_CASE("keyframe_window: few landmarks are the reason that limits a pose") {
   parts.draw(0);
   const auto first = parts.view(1);
   const int slot = parts.window->reset(first, {}, *parts.tracker, parts.rig_state);
-  parts.window->adopt_keyframe(first, slot, *parts.tracker, parts.motion, parts.navigation);
-  parts.window->accept_latest(parts.motion, parts.navigation, parts.report);
+  parts.window->adopt_keyframe(first, slot, *parts.tracker, parts.propagation, parts.navigation);
+  parts.window->accept_latest(parts.propagation, parts.navigation, parts.report);
   CHECK(parts.report.tracked > 2 * parts.options.pose.min_inliers);
   CHECK(parts.report.reason == HealthReason::none);
   parts.gray.fill(100);
   (void)parts.window->reset(parts.view(2), {}, *parts.tracker, parts.rig_state);
-  parts.window->accept_latest(parts.motion, parts.navigation, parts.report);
+  parts.window->accept_latest(parts.propagation, parts.navigation, parts.report);
   CHECK(parts.report.tracked == 0);
   CHECK(parts.report.reason == HealthReason::few_features);
 }

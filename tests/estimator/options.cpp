@@ -55,7 +55,7 @@ concept HasTwoView = requires(O options) {
 };
 template <class O>
 concept HasGravity = requires(O options) {
-  options.motion.gravity;
+  options.propagation.gravity;
 };
 
 using Vo = Estimator<RgbdRig, Features<Points<50>>, SlidingWindow<4>>;
@@ -119,7 +119,7 @@ TEST_CASE("options: each kind's are there under its name, and no other's") {
   REQUIRE((options.points.max_misses == 3 && options.lines.max_misses == StoreOptions{}.max_misses));
 }
 
-TEST_CASE("options: those of the motion and of the start follow the sensors") {
+TEST_CASE("options: those of the propagation and of the start follow the sensors") {
   STATIC_REQUIRE((!HasGravity<OptionsOf<MonoRig>> && HasGravity<OptionsOf<MonoImuRig>>));
   STATIC_REQUIRE((!HasAlignment<OptionsOf<MonoRig>> && HasTwoView<OptionsOf<MonoRig>>));
   STATIC_REQUIRE((HasAlignment<OptionsOf<MonoImuRig>> && HasTwoView<OptionsOf<MonoImuRig>>));

@@ -18,7 +18,7 @@ struct Run : SmallParts {
     draw(0);
     const auto first = view(t_ns);
     const int slot = window->reset(first, {}, *tracker, rig_state);
-    window->adopt_keyframe(first, slot, *tracker, motion, navigation);
+    window->adopt_keyframe(first, slot, *tracker, propagation, navigation);
     tracker->set_usable(t_ns);
     navigation.set_covariance(zeros<double, 6, 6>());
   }
@@ -69,7 +69,7 @@ TEST_CASE("outage: a repeated image bridges the outage for a time, and never cau
 TEST_CASE("outage: a pose found ends the count of images") {
   Run run;
   for (int k = 0; k < run.options.recovery.max_lost_frames; ++k) REQUIRE(run.hold(HealthReason::few_inliers));
-  run.outage.found_pose(run.motion, run.view(run.t_ns += 1));
+  run.outage.found_pose(run.propagation, run.view(run.t_ns += 1));
   run.tracker->set_usable(run.t_ns);
   for (int k = 0; k < run.options.recovery.max_lost_frames; ++k) REQUIRE(run.hold(HealthReason::few_inliers));
   CHECK_FALSE(run.hold(HealthReason::few_inliers));

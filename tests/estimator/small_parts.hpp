@@ -37,7 +37,7 @@ struct SmallParts {
   RigState<Sensors> rig_state{rig, options.readout};
   std::unique_ptr<Tracker> tracker = std::make_unique<Tracker>(options);
   std::unique_ptr<Window> window = std::make_unique<Window>(rig, options, NoMap::Options{});
-  Parts::Motion motion{rig, options.motion};
+  Parts::Propagation propagation{rig, options.propagation};
   Window::Nav navigation{WorldFrameUncertainty<double>(0)};
   FrameReport report;
   TrackingStatus status;
@@ -46,7 +46,7 @@ struct SmallParts {
 
   SmallParts() { depth.fill(2000); }
 
-  On components() { return {*tracker, *window, motion, rig_state, navigation, report, status}; }
+  On components() { return {*tracker, *window, propagation, rig_state, navigation, report, status}; }
 
   /// Squares of random brightness, moved by that many pixels to the left.
   void draw(int shift_px) {

@@ -10,7 +10,7 @@
 #include "plumbline/factor/absolute_position.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/points.hpp"
-#include "plumbline/motion/constant_velocity.hpp"
+#include "plumbline/propagation/constant_velocity.hpp"
 #include "plumbline/sensor/rgbd.hpp"
 #include "plumbline/sensor/rig.hpp"
 
@@ -20,7 +20,7 @@ namespace {
 
 constexpr int slots = 5;
 using Sensors = Rig<Rgbd<Pinhole<double>, 64 * 64>>;
-using Motion = ConstantVelocity<Sensors>;
+using CameraPropagation = ConstantVelocity<Sensors>;
 using Landmarks = typename Features<Points<10>>::template Landmarks<Sensors, slots>;
 
 /// The same rows, and nothing of them in the prior.
@@ -29,11 +29,11 @@ struct Forgotten : AbsolutePosition<S> {
   static constexpr bool is_marginalized = false;
 };
 
-using Window = typename SlidingWindow<slots, Flow, AbsolutePosition, Forgotten>::Backend<Motion, Landmarks>;
-using Plain = typename SlidingWindow<slots>::Backend<Motion, Landmarks>;
+using Window = typename SlidingWindow<slots, Flow, AbsolutePosition, Forgotten>::Backend<CameraPropagation, Landmarks>;
+using Plain = typename SlidingWindow<slots>::Backend<CameraPropagation, Landmarks>;
 static_assert(TakesFactor<Window, AbsolutePosition<double>> && TakesFactor<Window, Forgotten<double>>);
 static_assert(!TakesFactor<Window, AbsolutePosition<float>> && !TakesFactor<Plain, AbsolutePosition<double>>);
-static_assert(std::is_same_v<Plain, WindowBackend<Motion, Landmarks, slots>>);
+static_assert(std::is_same_v<Plain, WindowBackend<CameraPropagation, Landmarks, slots>>);
 static_assert(std::is_empty_v<Plain::FrameFactors>);
 static_assert(sizeof(Plain) + sizeof(Window::FrameFactors) < sizeof(Window) + alignof(Window));  // without: no byte
 

@@ -32,16 +32,23 @@ static_assert(all_are_front_ends<MonoRig> && all_are_front_ends<RgbdRig>);
 /// Sees, but finds nothing new.
 struct WithoutCorrespondences {
   struct Options {};
+  explicit WithoutCorrespondences(const Options&) {}
   static constexpr bool gives_correspondences = false;
   void follow(const auto&, const auto&, auto&, const auto&) {}
   void refine(const auto&, const auto&, auto&, const auto&) {}
   void locate(const auto&, const auto&, auto&, const auto&) {}
 };
-struct WithCorrespondences : WithoutCorrespondences {
+struct Promised : WithoutCorrespondences {
+  using WithoutCorrespondences::WithoutCorrespondences;
   static constexpr bool gives_correspondences = true;
   void detect(const auto&, const auto&, auto&, int) {}
 };
+struct WithCorrespondences : Promised {
+  using Promised::Promised;
+  void for_each_correspondence(const auto&, const auto&, const auto&, auto&&) const {}
+};
 static_assert(!FrontEnd<WithoutCorrespondences, Points<MonoRig>, Window<MonoRig>>);
+static_assert(!FrontEnd<Promised, Points<MonoRig>, Window<MonoRig>>);
 static_assert(FrontEnd<WithCorrespondences, Points<MonoRig>, Window<MonoRig>>);
 static_assert(!FrontEnd<PointKind<MonoRig>, Points<MonoRig>, Window<MonoRig>>);
 

@@ -5,7 +5,7 @@
 #include "catch.hpp"
 #include "plumbline/estimator/recovery_options.hpp"
 #include "plumbline/imu/preintegration.hpp"
-#include "plumbline/motion/inertial_options.hpp"
+#include "plumbline/propagation/inertial_options.hpp"
 #include "plumbline/state/navigation.hpp"
 
 using namespace plumbline;
@@ -33,9 +33,9 @@ using State = NavState<double>;
 
 struct Options {
   RecoveryOptions recovery;
-  InertialOptions motion;
+  InertialOptions propagation;
 };
-struct Motion {
+struct FixedPropagation {
   Samples samples;
   bool initialized = false;
   bool is_initialized() const { return initialized; }
@@ -62,14 +62,14 @@ struct Initializer {
 
 struct Run {
   Options options;
-  Motion motion;
+  FixedPropagation propagation;
   Window window;
   Initializer initializer;
   Navigation<double, InertialLayout> navigation{WorldFrameUncertainty<double>(0, true)};
   DeadReckonedPose<double> pose{options};
 
   void advance(double s) {
-    for (double t = 0; t < s - dt / 2; t += dt) pose.advance(motion, dt);
+    for (double t = 0; t < s - dt / 2; t += dt) pose.advance(propagation, dt);
     pose.apply(navigation);
   }
   bool applies(double x, double scale_sigma) {
@@ -92,7 +92,7 @@ TEST_CASE("dead_reckoned_pose: there is none before the first known pose") {
 TEST_CASE("dead_reckoned_pose: propagates an up-to-scale pose by the IMU until a better one is found") {
   Run run;
   REQUIRE(run.applies(1, 0.1));
-  CHECK(run.sigma(3) == Approx(0.1 + run.options.motion.stationary_position_sigma));
+  CHECK(run.sigma(3) == Approx(0.1 + run.options.propagation.stationary_position_sigma));
   CHECK(run.sigma(0) == Approx(0.02));
   CHECK(run.navigation.state().v_world_body.x() == 0.5);
   run.initializer.velocity = {0, 0, 0};
@@ -117,7 +117,7 @@ TEST_CASE("dead_reckoned_pose: propagates from a stationary pose, from up-to-sca
   Run run;
   run.pose.apply_stationary({{}, zeros<double, 3>(), stationary_bias_gyro, zeros<double, 3>()}, 0.2, run.window,
                             run.navigation);
-  CHECK(run.sigma(3) == Approx(run.options.motion.stationary_position_sigma));
+  CHECK(run.sigma(3) == Approx(run.options.propagation.stationary_position_sigma));
   CHECK(run.window.x.bias_gyro == stationary_bias_gyro);
   run.advance(1);
   REQUIRE(run.applies(0.2, 0.5));

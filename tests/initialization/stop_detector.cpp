@@ -1,8 +1,8 @@
 #include "plumbline/initialization/stop_detector.hpp"
 
 #include "catch.hpp"
-#include "plumbline/motion/constant_velocity.hpp"
-#include "plumbline/motion/inertial_options.hpp"
+#include "plumbline/propagation/constant_velocity.hpp"
+#include "plumbline/propagation/inertial_options.hpp"
 
 using namespace plumbline;
 

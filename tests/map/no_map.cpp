@@ -15,7 +15,7 @@
 #include "plumbline/estimator/estimator.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/points.hpp"
-#include "plumbline/motion/constant_velocity.hpp"
+#include "plumbline/propagation/constant_velocity.hpp"
 #include "plumbline/sensor/rgbd.hpp"
 #include "plumbline/sensor/rig.hpp"
 #include "plumbline/testing/gaussian.hpp"

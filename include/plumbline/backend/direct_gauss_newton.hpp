@@ -8,11 +8,12 @@
 
 #include "plumbline/backend/backend.hpp"
 #include "plumbline/backend/frame_solve.hpp"
-#include "plumbline/backend/sliding_window.hpp"
+#include "plumbline/backend/window_backend.hpp"
+#include "plumbline/backend/window_options.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/factor/frame_factors.hpp"
 #include "plumbline/frontend/direct_alignment.hpp"
-#include "plumbline/motion/motion_model.hpp"
+#include "plumbline/propagation/propagation.hpp"
 #include "plumbline/solver/levenberg_marquardt.hpp"
 
 namespace plumbline {
@@ -22,10 +23,10 @@ struct DirectOptions : WindowOptions {
   FrameSolveOptions frame;
 };
 
-template <MotionModel Motion, class LandmarksT, int K, class FrameFactorsT = NoFrameFactors>
+template <Propagation PropagationT, class LandmarksT, int K, class FrameFactorsT = NoFrameFactors>
 class DirectBackend {
  public:
-  using Bundle = WindowBackend<Motion, LandmarksT, K, FrameFactorsT>;
+  using Bundle = WindowBackend<PropagationT, LandmarksT, K, FrameFactorsT>;
   using Sensors = typename Bundle::Sensors;
   using S = typename Bundle::S;
   using Layout = typename Bundle::Layout;
@@ -37,8 +38,8 @@ class DirectBackend {
   using Window = typename Bundle::Window;
   using Options = DirectOptions;
 
-  DirectBackend(const Options& options, const typename Motion::Options& motion)
-      : options_(options), bundle_(options, motion) {}
+  DirectBackend(const Options& options, const typename PropagationT::Options& propagation)
+      : options_(options), bundle_(options, propagation) {}
 
   const Window& window() const { return bundle_.window(); }
   Window& window() { return bundle_.window(); }
@@ -125,7 +126,7 @@ class DirectBackend {
 
   Options options_;
   Bundle bundle_;
-  FrameSolve<Motion, Landmarks> frame_;
+  FrameSolve<PropagationT, Landmarks> frame_;
   bool solved_alone_ = false;  ///< the newest frame has a solution by FrameSolve
 };
 
@@ -137,9 +138,9 @@ struct DirectGaussNewton {
   static constexpr int slots = Keyframes;
   using FrontEnds = FrontEndPolicy;
 
-  template <MotionModel Motion, class Landmarks>
-  using Backend =
-      DirectBackend<Motion, Landmarks, Keyframes, FrameFactorsOf<typename Motion::S, Keyframes, FactorTypes...>>;
+  template <Propagation PropagationT, class Landmarks>
+  using Backend = DirectBackend<PropagationT, Landmarks, Keyframes,
+                                FrameFactorsOf<typename PropagationT::S, Keyframes, FactorTypes...>>;
 };
 
 }  // namespace plumbline

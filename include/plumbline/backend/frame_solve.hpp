@@ -17,7 +17,7 @@
 #include "plumbline/factor/frame_factors.hpp"
 #include "plumbline/feature/motion_terms.hpp"
 #include "plumbline/lie/se3.hpp"
-#include "plumbline/motion/motion_model.hpp"
+#include "plumbline/propagation/propagation.hpp"
 #include "plumbline/residual/world_point.hpp"
 #include "plumbline/solver/cholesky.hpp"
 #include "plumbline/solver/gauss_newton.hpp"
@@ -36,12 +36,12 @@ struct FrameSolveOptions {
   double weak_prior_sigma = 1;
 };
 
-template <MotionModel Motion, class Landmarks>
+template <Propagation PropagationT, class Landmarks>
 class FrameSolve {
  public:
-  using Sensors = typename Motion::Sensors;
-  using S = typename Motion::S;
-  using Layout = typename Motion::Layout;
+  using Sensors = typename PropagationT::Sensors;
+  using S = typename PropagationT::S;
+  using Layout = typename PropagationT::Layout;
   static constexpr int dim = Layout::dim, pose_dim = state::Pose::dim, non_pose_dim = dim - pose_dim;
   using PoseCovariance = Mat<S, pose_dim, pose_dim>;
   using Covariance = Mat<S, dim, dim>;

@@ -1,14 +1,15 @@
 #pragma once
-/// Marginalization prior of a window: r0 + J0 e, e the corrections of all frames by slot, then those of extrinsics and
-/// time offset.                                                                                     docs/math/window.md
+/// Marginalization prior of a window: r0 + J0 e, e the corrections of its frames and of the rig.
+///                                                                                           docs/math/window.md
 ///
-/// J0 has columns for every slot; those of free slots, and of frames without prior information, are zero. With a
-/// rolling shutter the last column is that of the readout time, whose correction is its value.
+/// J0 has columns for every slot (backend/prior_columns.hpp); those of free slots, and of frames without prior
+/// information, are zero.
 
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
+#include "plumbline/backend/prior_columns.hpp"
 #include "plumbline/core/assert.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/present.hpp"
@@ -24,13 +25,9 @@ namespace plumbline {
 template <class Window, int max_rows, int max_columns, bool rolls = false>
 class WindowPrior {
  public:
-  static constexpr int frame_dim = Window::Layout::dim, extrinsics_dim = state::Extrinsics::dim;
-  using Rig = RigLayout<typename Window::Layout>;
-  static constexpr int at_rig = Window::slots * frame_dim;  ///< first column of the rig
-  static constexpr int at_extrinsics = at_rig, at_time_offset = at_rig + extrinsics_dim;
-  static constexpr int at_readout = at_rig + Rig::dim, dim = at_readout + (rolls ? 1 : 0);
-  using Vector = Vec<double, dim>;
-  using Adjoint = Mat<double, extrinsics_dim, extrinsics_dim>;
+  using Columns = PriorColumns<Window, rolls>;
+  using Vector = typename Columns::Vector;
+  static constexpr int frame_dim = Columns::frame_dim, at_readout = Columns::at_readout, dim = Columns::dim;
 
   WindowPrior() { H_.resize(dim, dim); }
 
@@ -123,7 +120,7 @@ class WindowPrior {
     e_ = corrections(window);
     if constexpr (has_extrinsics<typename Window::Layout>) {
       E_.set(window.estimates_extrinsics() ? window.extrinsics().first_estimate().template cast<double>().adjoint()
-                                           : Adjoint(zeros<Adjoint>()));
+                                           : typename Columns::Adjoint(zeros<typename Columns::Adjoint>()));
     }
   }
 
@@ -139,8 +136,8 @@ class WindowPrior {
       }
     }
     if constexpr (has_time_offset<typename Window::Layout>) {
-      for (int k = 0; k < Rows; ++k) r0[k] -= double(J_offset[k]) * e_[at_time_offset];
-      marginalizer_.add_rows(J_i, i * frame_dim, J_j, j * frame_dim, J_offset, at_time_offset, r0);
+      for (int k = 0; k < Rows; ++k) r0[k] -= double(J_offset[k]) * e_[Columns::at_time_offset];
+      marginalizer_.add_rows(J_i, i * frame_dim, J_j, j * frame_dim, J_offset, Columns::at_time_offset, r0);
     } else {
       marginalizer_.add_rows(J_i, i * frame_dim, J_j, j * frame_dim, r0);
     }
@@ -169,7 +166,9 @@ class WindowPrior {
       for (int k = 0; rolls && k < rows; ++k) work_(k, columns + at_readout) = double(derivatives[k]);
     });
     if (rows <= rank) return;
-    if constexpr (has_extrinsics<typename Window::Layout>) move_with_extrinsics(columns, rank);
+    if constexpr (has_extrinsics<typename Window::Layout>) {
+      for (int k = rank; k < rows; ++k) Columns::move_with_extrinsics(work_, k, columns, E_.get());
+    }
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_rows, 1> r(rows - rank);
     for (int k = rank; k < rows; ++k) r[k - rank] = work_(k, columns + dim);
     for (int c = 0; c < dim; ++c) {  // the prior's residual belongs to e = 0
@@ -196,20 +195,6 @@ class WindowPrior {
   }
 
  private:
-  /// Columns of the extrinsics for the rows in `work_` from `first` on, (6) of WindowEquations.
-  void move_with_extrinsics(int columns, int first) {
-    const Adjoint& E = E_.get();
-    for (int k = first; k < int(work_.rows()); ++k) {
-      Vec<double, extrinsics_dim> together = zeros<double, extrinsics_dim>();
-      for (int slot = 0; slot < Window::slots; ++slot) {
-        for (int c = 0; c < extrinsics_dim; ++c) together[c] += work_(k, columns + slot * frame_dim + c);
-      }
-      for (int c = 0; c < extrinsics_dim; ++c) {
-        for (int i = 0; i < extrinsics_dim; ++i) work_(k, columns + at_extrinsics + c) += together[i] * E(i, c);
-      }
-    }
-  }
-
   /// Adds the walk to the variance 1/j^2 of the readout time, j the last row of the triangle: 1/j^2 <- 1/j^2 + walk^2.
   void inflate_readout(double walk_s) {
     const int last = reduced_.dim() - 1;
@@ -219,22 +204,7 @@ class WindowPrior {
   }
 
   /// e at the present states.
-  Vector corrections(const Window& window) const {
-    Vector e;
-    set_zero(e);
-    if constexpr (rolls) e[at_readout] = readout_s_;
-    for (int k = 0; k < Window::slots; ++k) {
-      if (!window[k].used) continue;
-      const auto correction = window[k].state.correction();
-      for (int c = 0; c < frame_dim; ++c) e[k * frame_dim + c] = double(correction[c]);
-    }
-    if constexpr (has_extrinsics<typename Window::Layout>) {
-      for (int c = 0; window.estimates_extrinsics() && c < extrinsics_dim; ++c)
-        e[at_extrinsics + c] = double(window.extrinsics().correction()[c]);
-      if (window.estimates_time_offset()) e[at_time_offset] = window.time_offset().correction()[0];
-    }
-    return e;
-  }
+  Vector corrections(const Window& window) const { return Columns::corrections(window, readout_s_); }
 
   struct ReadoutPrior {
     double value_s = 0, sigma_s = 0;
@@ -247,7 +217,7 @@ class WindowPrior {
   Marginalizer<dim, 64> marginalizer_;
   Vector e_;
   /// Ad(T_body_cam) at the first estimate, zero when not estimated.
-  [[no_unique_address]] Present<Adjoint, has_extrinsics<typename Window::Layout>> E_;
+  [[no_unique_address]] Present<typename Columns::Adjoint, has_extrinsics<typename Window::Layout>> E_;
   BoundedMatrix<double, max_rows, max_columns + dim + 1> work_;
 };
 

@@ -15,7 +15,7 @@ struct Components {
 
   typename Window::Tracker& tracker;
   Window& window;
-  typename Parts::Motion& motion;
+  typename Parts::Propagation& propagation;
   RigState<typename Parts::Sensors>& rig_state;
   typename Window::Nav& navigation;
   FrameReport& report;

@@ -14,6 +14,7 @@
 
 #include "plumbline/backend/backend.hpp"
 #include "plumbline/core/result.hpp"
+#include "plumbline/estimator/accept_pose.hpp"
 #include "plumbline/estimator/clock.hpp"
 #include "plumbline/estimator/components.hpp"
 #include "plumbline/estimator/composition.hpp"
@@ -25,6 +26,7 @@
 #include "plumbline/estimator/options.hpp"
 #include "plumbline/estimator/outage.hpp"
 #include "plumbline/estimator/publisher.hpp"
+#include "plumbline/estimator/take_in.hpp"
 #include "plumbline/initialization/initialization.hpp"
 #include "plumbline/map/no_map.hpp"
 #include "plumbline/state/navigation.hpp"
@@ -32,14 +34,15 @@
 
 namespace plumbline {
 
-template <class Sensors, class FeatureSet, class BackendPolicy, Clock TimeSource = NoClock, class MapPolicy = NoMap,
+template <class Sensors, class FeatureSet, class BackendPolicy, Clock TimeSource = NoClock, class MapChoice = NoMap,
           Executor ExecutorPolicy = SynchronousExecutor>
 class Estimator {
   static_assert(SensorRig<Sensors>, "plumbline: argument 1 must be a rig, e.g. Rig<Rgbd<Pinhole<float>>>");
   using Parts = Composition<Sensors, FeatureSet, BackendPolicy>;
-  using Map = typename MapPolicy::template Map<Parts>;
-  using Motion = typename Parts::Motion;
-  using State = typename Motion::State;
+  static_assert(MapPolicy<MapChoice, Parts>, "plumbline: argument 5 must name a map, see map/map.hpp");
+  using Map = typename MapChoice::template Map<Parts>;
+  using Propagation = typename Parts::Propagation;
+  using State = typename Propagation::State;
   using Window = KeyframeWindow<Parts, Map>;
   using Tracker = FrameTracker<Parts>;
   using Covariance = typename Tracker::Covariance;
@@ -51,7 +54,7 @@ class Estimator {
   using Landmarks = typename Parts::Landmarks;
   using Backend = typename Parts::Backend;
   using Options = EstimatorOptions<Parts>;
-  using MapOptions = typename MapPolicy::Options;
+  using MapOptions = typename MapChoice::Options;
 
   explicit Estimator(const Sensors& rig, const Options& options = {}, const MapOptions& map_options = {})
       : rig_(rig),
@@ -60,7 +63,7 @@ class Estimator {
         rig_state_(rig, options.readout),
         tracker_(options),
         window_(rig, options, map_options),
-        motion_(rig, options.motion),
+        propagation_(rig, options.propagation),
         navigation_(WorldFrameUncertainty<S>(S(options.calibration_error), Sensors::has_imu)),
         initialization_(options),
         outage_(options) {}
@@ -72,7 +75,7 @@ class Estimator {
   template <InertialRig R = Sensors>
   Result<typename ImuBuffer<>::Accepted> add_imu(const ImuSample& sample) {
     const State latest = task_.latest_state();
-    return motion_.imu().add(sample, has_frames_ ? &latest : nullptr);
+    return propagation_.imu().add(sample, has_frames_ ? &latest : nullptr);
   }
 
   /// Processes a frame; its pixels are not used after the call. On an error the state of the estimator is unchanged.
@@ -84,7 +87,9 @@ class Estimator {
     if (!tracker_.images().take_in(frame)) return Error::wrong_image_size;
     window_.work_on_map();
     timing_ = {.pyramid = stage.lap()};
-    View<Sensors> view = begin_frame(frame);
+    View<Sensors> view = plumbline::take_in(components(), rig_, frame, !std::exchange(has_frames_, true));
+    initialization_.dead_reckon(propagation_, view.dt);
+    report_ = {};
     const int previous_keyframe = window_.begin_frame();
     if (std::exchange(reset_requested_, false) && status_.has_first_view()) {
       reset(view, TrackingEvent::reset_requested);
@@ -93,10 +98,10 @@ class Estimator {
     } else if (!status_.has_first_view()) {
       initialize(view);
     } else {
-      const Predicted predicted = predict(view);
+      const Predicted predicted = plumbline::predict(components(), view);
       if (status_.has_landmarks()) {
         track(view, predicted, previous_keyframe, stage);
-        initialization_.verify_scale(view, motion_, report_.is_inconsistent);
+        initialization_.verify_scale(view, propagation_, report_.is_inconsistent);
       } else {
         (void)in_map_.find(view, window_.map(), predicted.state.T_world_body);
         initialization_.find_second_view(view, predicted.state,
@@ -154,114 +159,62 @@ class Estimator {
   }
   template <InertialRig R = Sensors>
   const ImuBuffer<>& imu() const {
-    return motion_.imu().buffer();
+    return propagation_.imu().buffer();
   }
   /// The filter that estimates time offset and extrinsic rotation before initialization.
   template <InertialRig R = Sensors>
   const CameraImuFilter& camera_imu() const {
-    return motion_.camera_imu();
+    return propagation_.camera_imu();
   }
   /// Whether the body is stationary, by images and IMU.
   template <InertialRig R = Sensors>
   bool is_stationary() const {
-    return motion_.is_stationary();
+    return propagation_.is_stationary();
   }
 
  private:
   Components<Parts, Map> components() {
-    return {tracker_, window_, motion_, rig_state_, navigation_, report_, status_};
-  }
-
-  /// Takes the frame in: the calibration in force from now on, the IMU samples since the previous frame, its view.
-  View<Sensors> begin_frame(const Frame& frame) {
-    const S dt = S(seconds_between(navigation_.t_ns(), frame.t_ns));
-    const State latest = window_.frames().latest();
-    motion_.calibrate(rig_state_, window_.frames());
-    motion_.begin_frame(frame.t_ns, has_frames_ ? &latest : nullptr, dt);
-    View<Sensors> view =
-        tracker_.images().view(rig_, frame, motion_.T_body_cam(rig_state_.T_body_cam()), rig_state_.readout(), dt);
-    set_shutter_motion(view, motion_, latest, window_.mean_depth());
-    initialization_.dead_reckon(motion_, dt);
-    has_frames_ = true;
-    report_ = {};
-    return view;
-  }
-
-  /// Predicts the state of the frame, and from it the motion during its readout.
-  Predicted predict(View<Sensors>& view) {
-    const auto align_motion = [&](const SE3<S>& guess) {
-      return tracker_.images().align_motion(view, guess, window_.mean_depth(), tracker_.is_after_gap(view.t_ns));
-    };
-    const Predicted predicted =
-        motion_.predict(window_.frames().latest(), view, S(tracker_.outage_s(view.t_ns)), align_motion);
-    set_shutter_motion(view, motion_, predicted.state, window_.mean_depth());
-    return predicted;
+    return {tracker_, window_, propagation_, rig_state_, navigation_, report_, status_};
   }
 
   /// Tracks the frame's features and solves for its state; `previous_keyframe` is the slot of the previous frame if
   /// that is a keyframe, else -1.
   void track(View<Sensors>& view, const Predicted& predicted, int previous_keyframe, Stopwatch<TimeSource>& stage) {
-    const bool can_predict = motion_.can_propagate() || !Motion::has_imu_factors;
-    if (can_predict && tracker_.images().repeats() && !motion_.can_be_stationary(view.t_ns))
+    const bool can_predict = propagation_.can_propagate() || !Propagation::has_imu_factors;
+    if (can_predict && tracker_.images().repeats() && !propagation_.can_be_stationary(view.t_ns))
       return bridge(view, predicted.state, HealthReason::images_repeat);
     auto& landmarks = window_.landmarks();
     SE3<S> T = predicted.state.T_world_body;
     tracker_.front_ends().align(view, window_.frames(), landmarks, predicted.prior, T);
     timing_.align = stage.lap();
-    HealthReason failure = tracker_.follow(view, predicted, motion_, window_.frames(), landmarks, T);
+    HealthReason failure = tracker_.follow(view, predicted, propagation_, window_.frames(), landmarks, T);
     timing_.follow = stage.lap();
     Covariance covariance;
     if (failure == HealthReason::none)
-      failure = tracker_.find_pose(view, predicted, motion_, window_.frames(), landmarks, previous_keyframe,
+      failure = tracker_.find_pose(view, predicted, propagation_, window_.frames(), landmarks, previous_keyframe,
                                    rig_state_.readout().value_s, T, covariance);
     timing_.estimate = stage.lap();
     if (failure != HealthReason::none) {
       bridge(view, predicted.state, landmarks.seen_count() < min_inliers_ ? HealthReason::few_features : failure);
     } else {
       status_.handle(TrackingEvent::pose_found);
-      const State x = motion_.update(predicted.state, T, covariance, view);
-      if (motion_.is_initialized()) {
+      const State x = propagation_.update(predicted.state, T, covariance, view);
+      if (propagation_.is_initialized()) {
         task_.solve_in_window(components(), view, x);
-        check_consistency(predicted);
+        inflate_world_frame(propagation_, report_, predicted, navigation_);
       } else {
-        accept_alone(view, x, covariance);
+        task_.accept_alone(components(), view, x, covariance, initialization_);
       }
-      outage_.found_pose(motion_, view);
+      outage_.found_pose(propagation_, view);
     }
     timing_.map = stage.lap();
   }
 
-  /// Accepts the pose of a frame without IMU factors, and makes it a keyframe where one is needed.
-  void accept_alone(const View<Sensors>& view, const State& x, const Covariance& covariance) {
-    window_.frames().set_latest(x);
-    tracker_.images().keep(view, x.T_world_body);
-    window_.accept_latest(motion_, navigation_, report_);
-    // Covariance of the keyframe, carried to this body by the adjoint, plus that of the motion since.
-    navigation_.set_window_covariance(window_.covariance_of(x.T_world_body, covariance));
-    tracker_.locate(view, window_.frames(), window_.landmarks());
-    tracker_.set_usable(view.t_ns);
-    const bool ready_to_align = initialization_.add_pose(view, covariance, components()),
-               needed = window_.needs_keyframe(view, motion_);
-    if (ready_to_align) {
-      window_.make_keyframe(view, tracker_, motion_, rig_state_, navigation_);
-      initialization_.align(view, components());
-    } else if (needed) {
-      task_.make_keyframe(components(), view);
-    }
-  }
-
   /// A frame without a pose: its navigation state is propagated or held, or the estimator is reset.
   void bridge(const View<Sensors>& view, const State& predicted, HealthReason failure) {
-    motion_.mark_lost();
-    status_.handle(failure == HealthReason::images_repeat   ? TrackingEvent::image_unusable
-                   : failure == HealthReason::imu_disagrees ? TrackingEvent::imu_vision_inconsistent
-                                                            : TrackingEvent::no_pose);
-    const bool is_bridged =
-        motion_.can_propagate()
-            ? outage_.propagate(view, failure, predicted, tracker_, window_, motion_, navigation_, report_)
-            : outage_.hold(view, failure, initialization_.lost_frame_limit(max_lost_frames_), tracker_, window_,
-                           navigation_, report_);
-    if (!is_bridged) return reset(view, TrackingEvent::outage_too_long);
+    const int max_lost_frames = initialization_.lost_frame_limit(max_lost_frames_);
+    if (!outage_.bridge(view, failure, predicted, max_lost_frames, components()))
+      return reset(view, TrackingEvent::outage_too_long);
     if (failure != HealthReason::images_repeat) find_in_map(view);
   }
 
@@ -269,7 +222,8 @@ class Estimator {
   void reset(const View<Sensors>& view, TrackingEvent event) {
     status_.handle(event);
     if (event == TrackingEvent::initialization_rejected) window_.reject_map();
-    if (!Motion::has_imu_factors || motion_.can_propagate()) initialization_.mark_lost(window_.frames(), navigation_);
+    if (!Propagation::has_imu_factors || propagation_.can_propagate())
+      initialization_.mark_lost(window_.frames(), navigation_);
     outage_.reset();
     initialize(view);
   }
@@ -278,7 +232,7 @@ class Estimator {
     if (is_in_map) {
       in_map_.begin_at(view, window_.frames(), navigation_);
       initialization_.mark_lost(window_.frames(), navigation_);
-    } else if (!Motion::has_imu_factors && status_.resets() > 0) {
+    } else if (!Propagation::has_imu_factors && status_.resets() > 0) {
       outage_.inflate(view, tracker_, navigation_);
       initialization_.mark_lost(window_.frames(), navigation_);
     }
@@ -292,24 +246,13 @@ class Estimator {
     in_map_.apply(navigation_, report_);
   }
 
-  /// Adds inflation for unmodeled error to the uncertainty of the world frame: the rotation that a gyroscope bias jump
-  /// may have caused, about any axis since tilt is taken for accelerometer bias; and, while images and IMU disagree,
-  /// the difference between the solved and the predicted pose when it exceeds the gate.
-  void check_consistency(const Predicted& predicted) {
-    const SE3<S>& T = navigation_.T_world_body();
-    if (motion_.gyro_jump_rotation() > S(0))
-      navigation_.world().add_rotation_uncertainty(T, motion_.gyro_jump_rotation());
-    if (report_.is_inconsistent && !motion_.passes_gate(predicted, T))
-      navigation_.world().inflate(minus(T, predicted.state.T_world_body));
-  }
-
   const Sensors rig_;
   int max_lost_frames_, min_inliers_;
   RigState<Sensors> rig_state_;
   Tracker tracker_;
   Window window_;
-  Motion motion_;
-  Navigation<S, typename Motion::Layout> navigation_;
+  Propagation propagation_;
+  Navigation<S, typename Propagation::Layout> navigation_;
   Initialization<Parts> initialization_;
   Outage<Parts, Map> outage_;
   [[no_unique_address]] FrameInMap<Parts, Map> in_map_;

@@ -14,7 +14,7 @@ namespace plumbline {
 /// start is not called again before wait. The estimates depend on neither time nor thread of the call. The destructor
 /// waits as well, and what is not synchronous is not copied.
 template <class E>
-concept Executor = requires(E& executor, void (*run)(void*), void* context) {
+concept Executor = std::default_initializable<E> && requires(E& executor, void (*run)(void*), void* context) {
   executor.start(run, context);
   executor.wait();
 };

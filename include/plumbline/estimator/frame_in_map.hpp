@@ -18,7 +18,7 @@ namespace plumbline {
 
 /// Whether frames are sought in a map of that type.
 template <class Parts, class MapT>
-concept SeeksFrames = !Parts::Motion::has_imu_factors && FindsFrames<MapT, View<typename Parts::Sensors>>;
+concept SeeksFrames = !Parts::Propagation::has_imu_factors && FindsFrames<MapT, View<typename Parts::Sensors>>;
 
 /// Of other maps, and without one: no state, no code.
 template <class Parts, class MapT>

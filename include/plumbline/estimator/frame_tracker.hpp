@@ -12,7 +12,7 @@
 #include "plumbline/feature/pose_refinement.hpp"
 #include "plumbline/feature/row_ranges.hpp"
 #include "plumbline/frontend/image_pair.hpp"
-#include "plumbline/motion/motion_model.hpp"
+#include "plumbline/propagation/propagation.hpp"
 #include "plumbline/state/health.hpp"
 
 namespace plumbline {
@@ -22,11 +22,11 @@ class FrameTracker {
  public:
   using Sensors = typename Parts::Sensors;
   using S = typename Parts::S;
-  using Motion = typename Parts::Motion;
+  using Propagation = typename Parts::Propagation;
   using Landmarks = typename Parts::Landmarks;
   using Window = typename Parts::Window;
   using FrontEnds = typename Parts::FrontEnds;
-  using Predicted = Prediction<typename Motion::State, S>;
+  using Predicted = Prediction<typename Propagation::State, S>;
   using Refinement = PoseRefinement<Sensors, Landmarks>;
   using Covariance = typename Refinement::Covariance;
 
@@ -50,28 +50,30 @@ class FrameTracker {
 
   /// Tracks all features from the previous image and sets T to the RANSAC consensus; returns the reason of a failure.
   /// Without an IMU, after a gap, a few inliers are no consensus: they may agree by chance.
-  HealthReason follow(const View<Sensors>& view, const Predicted& predicted, const Motion& motion, const Window& window,
-                      Landmarks& landmarks, SE3<S>& T) {
+  HealthReason follow(const View<Sensors>& view, const Predicted& predicted, const Propagation& propagation,
+                      const Window& window, Landmarks& landmarks, SE3<S>& T) {
     front_ends_.follow(view, window, landmarks, T);
     const auto [candidates, inliers] = front_ends_.find_consensus(
-        view, window, landmarks, ransac_, T, [&](const SE3<S>& x) { return motion.passes_gate(predicted, x); });
+        view, window, landmarks, ransac_, T, [&](const SE3<S>& x) { return propagation.passes_gate(predicted, x); });
     const bool few = inliers < min_landmarks_ && 2 * inliers < candidates;
-    return !Motion::has_imu_factors && is_after_gap(view.t_ns) && few ? HealthReason::few_inliers : HealthReason::none;
+    return !Propagation::has_imu_factors && is_after_gap(view.t_ns) && few ? HealthReason::few_inliers
+                                                                           : HealthReason::none;
   }
 
   /// Estimates the pose: once with all features, once without outliers, once with the features located again from that
   /// pose. Returns the reason of a failure. `keyframe` is the slot of the last keyframe, or -1 when the previous frame
   /// was none; `readout_s` the readout time of the shutter.
-  HealthReason find_pose(View<Sensors>& view, const Predicted& predicted, const Motion& motion, const Window& window,
-                         Landmarks& landmarks, int keyframe, S readout_s, SE3<S>& T, Covariance& covariance) {
+  HealthReason find_pose(View<Sensors>& view, const Predicted& predicted, const Propagation& propagation,
+                         const Window& window, Landmarks& landmarks, int keyframe, S readout_s, SE3<S>& T,
+                         Covariance& covariance) {
     const auto refine = [&] {
       return refinement_.refine(view.rig, view.T_body_cam, landmarks, window, predicted.state.T_world_body,
                                 predicted.prior, T, covariance);
     };
     HealthReason failure = refine();
-    const bool moves_shutter = !motion.is_initialized() && !is_after_gap(view.t_ns);
+    const bool moves_shutter = !propagation.is_initialized() && !is_after_gap(view.t_ns);
     if (failure == HealthReason::none) {
-      if (moves_shutter) update_frame_motion(view, motion, landmarks, predicted.state, T, readout_s);
+      if (moves_shutter) update_frame_motion(view, propagation, landmarks, predicted.state, T, readout_s);
       failure = refine();
     }
     if (failure == HealthReason::none) {
@@ -79,9 +81,9 @@ class FrameTracker {
       failure = refine();
     }
     if (failure != HealthReason::none) return failure;
-    if (motion.contradicts(predicted, T)) return HealthReason::imu_disagrees;
+    if (propagation.contradicts(predicted, T)) return HealthReason::imu_disagrees;
     if (moves_shutter && keyframe >= 0)
-      update_keyframe_motion(view, motion, landmarks, keyframe, predicted.state, T, readout_s);
+      update_keyframe_motion(view, propagation, landmarks, keyframe, predicted.state, T, readout_s);
     set_ranges(landmarks, window, view, T, readout_s, /*all=*/false);
     return HealthReason::none;
   }

@@ -15,6 +15,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "plumbline/estimator/accept_pose.hpp"
 #include "plumbline/estimator/components.hpp"
 #include "plumbline/estimator/executor.hpp"
 #include "plumbline/feature/view.hpp"
@@ -22,32 +23,36 @@
 
 namespace plumbline {
 
-/// A frame with IMU factors has been solved for with the window: the navigation state follows.
-template <class Parts, class MapT>
-void accept_in_window(const Components<Parts, MapT>& on, const View<typename Parts::Sensors>& view) {
-  on.tracker.images().keep(view, on.window.frames().latest().T_world_body);
-  on.window.accept_latest(on.motion, on.navigation, on.report);
-  on.tracker.set_usable(view.t_ns);
-  on.window.update_covariance(on.motion, on.navigation);
-}
-
 template <class Parts, class MapT, Executor E>
 class KeyframeTask {
   using On = Components<Parts, MapT>;
   using Sensors = typename Parts::Sensors;
-  using State = typename Parts::Motion::State;
+  using S = typename Parts::S;
+  using State = typename Parts::Propagation::State;
 
  public:
   /// Inserts a frame with IMU factors in the state x into the window and solves for it.
   void solve_in_window(const On& on, const View<Sensors>& view, const State& x) {
     previous_state_ = on.window.frames().latest();
-    if (on.window.insert(view, x, on.motion)) planned_ = Planned::keep_as_keyframe;
-    on.window.solve(view, previous_state_, /*keyframe=*/false, on.tracker, on.motion, on.rig_state);
+    if (on.window.insert(view, x, on.propagation)) planned_ = Planned::keep_as_keyframe;
+    on.window.solve(view, previous_state_, /*keyframe=*/false, on.tracker, on.propagation, on.rig_state);
     if (planned_ == Planned::nothing) on.tracker.locate(view, on.window.frames(), on.window.landmarks());
     accept_in_window(on, view);
   }
-  /// Makes the latest frame, which has a pose but no IMU factors, a keyframe.
-  void make_keyframe(const On&, const View<Sensors>&) { planned_ = Planned::make_keyframe; }
+  /// Accepts the pose of a frame without IMU factors. It becomes a keyframe where one is needed, and at once where the
+  /// initialization is to align vision and IMU.
+  void accept_alone(const On& on, const View<Sensors>& view, const State& x, const Mat<S, 6, 6>& covariance,
+                    auto& initialization) {
+    plumbline::accept_alone(on, view, x, covariance);
+    const bool ready_to_align = initialization.add_pose(view, covariance, on),
+               needed = on.window.needs_keyframe(view, on.propagation);
+    if (ready_to_align) {
+      on.window.make_keyframe(view, on.tracker, on.propagation, on.rig_state, on.navigation);
+      initialization.align(view, on);
+    } else if (needed) {
+      planned_ = Planned::make_keyframe;
+    }
+  }
 
   /// Whether the frame becomes a keyframe after it is published.
   bool is_planned() const { return planned_ != Planned::nothing; }
@@ -75,11 +80,11 @@ class KeyframeTask {
   void run() { run(*on_, *view_); }
   void run(const On& on, const View<Sensors>& view) {
     if (planned_ == Planned::make_keyframe) {
-      on.window.make_keyframe(view, on.tracker, on.motion, on.rig_state, on.navigation);
+      on.window.make_keyframe(view, on.tracker, on.propagation, on.rig_state, on.navigation);
     } else {
-      on.window.solve(view, previous_state_, /*keyframe=*/true, on.tracker, on.motion, on.rig_state);
+      on.window.solve(view, previous_state_, /*keyframe=*/true, on.tracker, on.propagation, on.rig_state);
       on.tracker.locate(view, on.window.frames(), on.window.landmarks());
-      on.window.keep_as_keyframe(view, on.tracker, on.motion, on.navigation);
+      on.window.keep_as_keyframe(view, on.tracker, on.propagation, on.navigation);
     }
     planned_ = Planned::nothing;
   }

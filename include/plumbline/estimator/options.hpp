@@ -20,7 +20,7 @@ struct EstimatorOptions : Parts::FrontEnds::Options {
   KeyframeOptions keyframe = default_keyframes<typename Parts::Sensors>();
   PoseRansacOptions ransac;
   typename Parts::Backend::Options backend;
-  typename Parts::Motion::Options motion;
+  typename Parts::Propagation::Options propagation;
   typename Parts::Initializer::Options initialization;
   RotationAlignmentOptions rotation;
   ReadoutOptions readout;

@@ -5,11 +5,13 @@
 #include <algorithm>
 
 #include "plumbline/core/time.hpp"
+#include "plumbline/estimator/components.hpp"
 #include "plumbline/estimator/frame_report.hpp"
 #include "plumbline/estimator/keyframe_window.hpp"
 #include "plumbline/estimator/options.hpp"
 #include "plumbline/feature/view.hpp"
 #include "plumbline/state/health.hpp"
+#include "plumbline/state/tracking_state.hpp"
 
 namespace plumbline {
 
@@ -19,25 +21,37 @@ class Outage {
   using Window = KeyframeWindow<Parts, MapT>;
   using Sensors = typename Parts::Sensors;
   using S = typename Parts::S;
-  using Motion = typename Parts::Motion;
-  using State = typename Motion::State;
+  using Propagation = typename Parts::Propagation;
+  using State = typename Propagation::State;
   using Tracker = typename Window::Tracker;
   using Nav = typename Window::Nav;
 
   explicit Outage(const EstimatorOptions<Parts>& options) : options_(options.recovery) {
-    if constexpr (Motion::has_imu_factors) velocity_sigma_ = options.motion.velocity_sigma;
+    if constexpr (Propagation::has_imu_factors) velocity_sigma_ = options.propagation.velocity_sigma;
   }
 
   /// A frame has a pose again. A usable frame reduces the time of IMU-only propagation by its own duration, so that
   /// images and IMU that contradict each other in most frames also end in a reset.
-  void found_pose(Motion& motion, const View<Sensors>& view) {
-    if (lost_frames_ > 0) motion.mark_lost();
+  void found_pose(Propagation& propagation, const View<Sensors>& view) {
+    if (lost_frames_ > 0) propagation.mark_lost();
     lost_frames_ = 0;
     imu_only_s_ = std::max(0.0, imu_only_s_ - double(view.dt));
   }
   void reset() {
     lost_frames_ = 0;
     imu_only_s_ = 0;
+  }
+
+  /// A frame without a pose: `predicted` is propagated, or the last pose is held. False when a reset is due.
+  bool bridge(const View<Sensors>& view, HealthReason failure, const State& predicted, int max_lost_frames,
+              const Components<Parts, MapT>& on) {
+    on.propagation.mark_lost();
+    on.status.handle(failure == HealthReason::images_repeat   ? TrackingEvent::image_unusable
+                     : failure == HealthReason::imu_disagrees ? TrackingEvent::imu_vision_inconsistent
+                                                              : TrackingEvent::no_pose);
+    return on.propagation.can_propagate()
+               ? propagate(view, failure, predicted, on.tracker, on.window, on.propagation, on.navigation, on.report)
+               : hold(view, failure, max_lost_frames, on.tracker, on.window, on.navigation, on.report);
   }
 
   /// Rigs without IMU: holds the last pose and tries up to `max_lost_frames` images against the last usable one.
@@ -56,7 +70,7 @@ class Outage {
   }
   /// Inflates the covariance of a body that is not observed and may move: constant unknown velocity, sigma^2 t^2.
   void inflate(const View<Sensors>& view, const Tracker& tracker, Nav& navigation) const {
-    if constexpr (!Motion::has_imu_factors) {
+    if constexpr (!Propagation::has_imu_factors) {
       const double until_s = tracker.outage_s(view.t_ns), since_s = until_s - double(view.dt);
       const double grown = until_s * until_s - since_s * since_s;
       navigation.add_variance(S(options_.lost_rate * options_.lost_rate * grown),
@@ -64,29 +78,29 @@ class Outage {
     }
   }
 
-  /// Takes the prediction x of the motion model for the pose. Features of an image that shows enough are tracked and
+  /// Takes the predicted state x for the pose. Features of an image that shows enough are tracked and
   /// get depth by parallax, unless the pose contradicts the IMU; after max_outage_frames other images landmarks are
   /// detected again. Returns false when a reset is due and the image shows enough for it.
   bool propagate(const View<Sensors>& view, HealthReason failure, State x, Tracker& tracker, Window& window,
-                 Motion& motion, Nav& navigation, FrameReport& report) {
+                 Propagation& propagation, Nav& navigation, FrameReport& report) {
     const bool repeats = failure == HealthReason::images_repeat;
     const bool contradicts_imu = failure == HealthReason::imu_disagrees;
-    const bool is_stationary = hold_stationary(view.t_ns, tracker, window, motion, x) && !contradicts_imu;
+    const bool is_stationary = hold_stationary(view.t_ns, tracker, window, propagation, x) && !contradicts_imu;
     auto covariance = navigation.covariance();  // a keyframe made during the outage does not reduce it
-    if (!is_stationary) covariance = motion.grown_covariance(covariance, S(tracker.outage_s(view.t_ns)));
+    if (!is_stationary) covariance = propagation.grown_covariance(covariance, S(tracker.outage_s(view.t_ns)));
     window.frames().set_latest(x);
     bool has_landmarks = !repeats && window.landmarks().seen_count() >= options_.min_landmarks;
     if (has_landmarks && !contradicts_imu) {
       tracker.images().keep(view, x.T_world_body);
       tracker.locate(view, window.frames(), window.landmarks());
     } else if (!repeats && !has_landmarks && ++lost_frames_ > options_.max_outage_frames &&
-               window.restart_tracking(view, options_.min_landmarks, tracker, motion, navigation)) {
+               window.restart_tracking(view, options_.min_landmarks, tracker, propagation, navigation)) {
       has_landmarks = true;
       lost_frames_ = 0;
     } else if (!repeats) {
       undo_frame(window);
     }
-    window.accept_latest(motion, navigation, report);
+    window.accept_latest(propagation, navigation, report);
     navigation.set_covariance(covariance);
     report.tracked = 0;
     report.is_inconsistent = contradicts_imu;
@@ -100,11 +114,12 @@ class Outage {
  private:
   /// Holds the pose of a slow body whose IMU is stationary: noise does not move it during an outage. The limit of the
   /// speed is the uncertainty of the velocity, velocity_sigma [m/s], and as much more for each second of the outage.
-  bool hold_stationary(TimeNs t_ns, const Tracker& tracker, const Window& window, Motion& motion, State& x) const {
-    if constexpr (Motion::Layout::template has<state::Velocity>) {
+  bool hold_stationary(TimeNs t_ns, const Tracker& tracker, const Window& window, Propagation& propagation,
+                       State& x) const {
+    if constexpr (Propagation::Layout::template has<state::Velocity>) {
       const State& before = window.frames().latest();
       const double max_speed = velocity_sigma_ * (1 + tracker.outage_s(t_ns));
-      if (!(double(norm(before.v_world_body)) < max_speed) || !motion.can_be_stationary(t_ns)) return false;
+      if (!(double(norm(before.v_world_body)) < max_speed) || !propagation.can_be_stationary(t_ns)) return false;
       x.T_world_body = before.T_world_body;
       set_zero(x.v_world_body);
       return true;

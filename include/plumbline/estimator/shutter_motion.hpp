@@ -14,16 +14,16 @@ namespace plumbline {
 /// Sets the motion during the readout of the frame to that of the body in the state x; landmarks without depth are
 /// taken at the distance `range` [m].
 template <SensorRig Sensors>
-void set_shutter_motion(View<Sensors>& view, const auto& motion, const auto& x, typename Sensors::Scalar range) {
-  if constexpr (Sensors::rolls) view.set_motion(motion.angular_rate(), motion.velocity(x), range);
+void set_shutter_motion(View<Sensors>& view, const auto& propagation, const auto& x, typename Sensors::Scalar range) {
+  if constexpr (Sensors::rolls) view.set_motion(propagation.angular_rate(), propagation.velocity(x), range);
 }
 
 /// Sets the motion of a frame whose velocity is determined by images alone: x is its predicted state, T its pose now.
 template <SensorRig Sensors, class S = typename Sensors::Scalar>
-void update_frame_motion(View<Sensors>& view, const auto& motion, auto& landmarks, const auto& x,
+void update_frame_motion(View<Sensors>& view, const auto& propagation, auto& landmarks, const auto& x,
                          const SE3<typename Sensors::Scalar>& T, typename Sensors::Scalar readout_s) {
-  if constexpr (Sensors::rolls && requires { motion.motion_at(x, T, view); }) {
-    const Vec<S, 6> twist = motion.motion_at(x, T, view);
+  if constexpr (Sensors::rolls && requires { propagation.motion_at(x, T, view); }) {
+    const Vec<S, 6> twist = propagation.motion_at(x, T, view);
     view.set_motion(segment<3>(twist, 0), segment<3>(twist, 3), landmarks.template mean_depth<S>());
     set_motion(landmarks, view, readout_s);
   }
@@ -32,10 +32,10 @@ void update_frame_motion(View<Sensors>& view, const auto& motion, auto& landmark
 /// Sets the motion of a keyframe, when the frame after it is known. T is the pose of that frame, x its prediction.
 ///                                                                          docs/math/rolling_shutter.md (1c)
 template <SensorRig Sensors, class S = typename Sensors::Scalar>
-void update_keyframe_motion(const View<Sensors>& view, const auto& motion, auto& landmarks, int keyframe, const auto& x,
-                            const SE3<typename Sensors::Scalar>& T, typename Sensors::Scalar readout_s) {
-  if constexpr (Sensors::rolls && requires { motion.motion_before(x, T, view); }) {
-    const Vec<S, 6> twist = motion.motion_before(x, T, view);
+void update_keyframe_motion(const View<Sensors>& view, const auto& propagation, auto& landmarks, int keyframe,
+                            const auto& x, const SE3<typename Sensors::Scalar>& T, typename Sensors::Scalar readout_s) {
+  if constexpr (Sensors::rolls && requires { propagation.motion_before(x, T, view); }) {
+    const Vec<S, 6> twist = propagation.motion_before(x, T, view);
     View<Sensors> keyframe_view = view;
     keyframe_view.set_motion(segment<3>(twist, 0), segment<3>(twist, 3), landmarks.template mean_depth<S>());
     set_motion(landmarks, keyframe, keyframe_view, readout_s);

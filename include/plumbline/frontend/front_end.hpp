@@ -12,7 +12,7 @@
 ///
 /// A policy names the front end of every kind (`template <class Store> using Of`), and a backend its default policy.
 
-#include <cstddef>
+#include <concepts>
 
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/feature/view.hpp"
@@ -21,19 +21,37 @@
 
 namespace plumbline {
 
-/// `window` gives T_world_body(slot).
+/// A front end whose landmarks give correspondences for the RANSAC consensus of the pose.
+template <class F>
+concept GivesCorrespondences = F::gives_correspondences;
+
+/// A front end whose landmarks give pairs of bearings of two views, for the initialization of a camera without depth.
+template <class F>
+concept RelatesTwoViews = F::relates_two_views;
+
+/// A front end of a kind that holds others.
+template <class F>
+concept ReadsKindsBefore = F::reads_kinds_before;
+
+namespace detail {
+/// What the concept is checked with.
+struct SomeVisitor {
+  void operator()(const auto&...) const;
+};
+}  // namespace detail
+
+/// `window` gives T_world_body(slot). A front end of a kind that holds others gets their stores as a last argument of
+/// each call (`reads_kinds_before`); that is not checked here.
 template <class F, class Store, class Window>
-concept FrontEnd = requires(F& front_end, Store& store, const View<typename Store::Kind::Sensors>& view,
-                            const Window& window, const SE3<typename Store::S>& T_world_body, int slot) {
-  typename F::Options;
+concept FrontEnd = std::constructible_from<F, const typename F::Options&> &&
+    requires(F& front_end, const F& known, Store& store, const View<typename Store::Kind::Sensors>& view,
+             const Window& window, const SE3<typename Store::S>& T_world_body, int slot, detail::SomeVisitor visit) {
   front_end.follow(view, window, store, T_world_body);
   front_end.refine(view, window, store, T_world_body);
   front_end.locate(view, window, store, T_world_body);
   front_end.detect(view, window, store, slot);
+  requires !GivesCorrespondences<F> || requires { known.for_each_correspondence(view, window, store, visit); };
+  requires !RelatesTwoViews<F> || requires { known.for_each_pair(view, store, slot, visit); };
 };
-
-/// A front end whose landmarks give correspondences for the RANSAC consensus of the pose.
-template <class F>
-concept GivesCorrespondences = F::gives_correspondences;
 
 }  // namespace plumbline

@@ -71,8 +71,14 @@ class FrontEnds<Policy, Sensors, Slots, Features<Entries...>> {
   /// All options by name: `options.points`, `options.lines`, ...
   struct Options : Entries::template Named<KindOptions<typename Of<Entries>::Options>>..., ImageMotion::Named {};
 
+  /// Whether all satisfy the concept, with a window of that type.
+  template <class Window>
+  static constexpr bool are_front_ends =
+      ((ReadsKindsBefore<Of<Entries>> ||
+        FrontEnd<Of<Entries>, typename Set::template StoreOf<Entries, Sensors, Slots>, Window>)&&...);
+
   /// Whether a kind gives pairs of bearings of two views, for the initialization of a camera without depth.
-  static constexpr bool relates_two_views = (false || ... || requires { Of<Entries>::relates_two_views; });
+  static constexpr bool relates_two_views = (false || ... || RelatesTwoViews<Of<Entries>>);
 
   explicit FrontEnds(const Options& options)
       : front_ends_(Entries::options_of(options)...), image_motion_(ImageMotion::options_of(options)) {}

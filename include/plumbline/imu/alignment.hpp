@@ -19,114 +19,24 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <span>
 
 #include "plumbline/core/assert.hpp"
-#include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
-#include "plumbline/core/square_root_information.hpp"
 #include "plumbline/imu/alignment_frame.hpp"
+#include "plumbline/imu/alignment_options.hpp"
+#include "plumbline/imu/alignment_result.hpp"
+#include "plumbline/imu/alignment_rows.hpp"
 #include "plumbline/imu/gravity.hpp"
 #include "plumbline/imu/gyro_bias.hpp"
-#include "plumbline/imu/increment.hpp"
 #include "plumbline/imu/nav_state.hpp"
 #include "plumbline/imu/velocity_chain.hpp"
 #include "plumbline/lie/se3.hpp"
 
 namespace plumbline {
 
-struct InertialAlignmentOptions {
-  bool metric = false;           ///< the positions of the camera poses are in meters; set by the initializer
-  double rotation_sigma = 2e-3;  ///< sigma of the rotation of a camera pose [rad]; tuned: docs/decisions/132 (chosen)
-  /// Sigma of the position of a camera pose besides its own covariance, in units of the poses;
-  /// tuned: docs/decisions/023.
-  double position_sigma = 2e-3;
-  double accel_bias_sigma = 0.2;  ///< prior sigma of the accelerometer bias [m/s^2]; tuned: docs/decisions/024
-  std::size_t min_frames = 5;     ///< smallest number of frames; numerics: 4 determine the unknowns
-  /// Largest rms rotation between camera and gyroscope after the bias is estimated [rad];
-  /// tuned: docs/decisions/132 (chosen).
-  double max_gyro_residual = 0.02;
-  double max_chi2 = 3;  ///< largest chi2 per degree of freedom; below 1 for consistent poses; tuned: docs/decisions/023
-  /// Largest error of the norm of free gravity, relative, besides three of its sigmas;
-  /// tuned: docs/decisions/132 (chosen).
-  double max_gravity_error = 0.1;
-  double max_gravity_sigma = 0.05;  ///< largest sigma of the direction of gravity [rad]; tuned: docs/decisions/023
-  double max_scale_sigma = 0.1;     ///< largest sigma of the scale, relative; tuned: docs/decisions/023
-};
-
-/// Result of an alignment, or the reason why there is none.
-enum class AlignmentOutcome : std::uint8_t {
-  aligned,
-  too_few_frames,
-  no_imu_data,          ///< an increment is empty or not finite
-  rotations_disagree,   ///< of camera and gyroscope: wrong poses, extrinsics or time stamps
-  positions_disagree,   ///< of camera and accelerometer: the scale of the poses has drifted, or they are wrong
-  gravity_implausible,  ///< norm of gravity: wrong poses, units or extrinsics
-  gravity_uncertain,    ///< direction of gravity not determined yet
-  scale_uncertain,      ///< scale not determined yet: it needs accelerated motion
-};
-
-/// For logs.
-constexpr const char* name_of(AlignmentOutcome outcome) {
-  switch (outcome) {
-    case AlignmentOutcome::aligned: return "aligned";
-    case AlignmentOutcome::too_few_frames: return "too few frames";
-    case AlignmentOutcome::no_imu_data: return "no IMU data";
-    case AlignmentOutcome::rotations_disagree: return "camera and gyroscope turn differently";
-    case AlignmentOutcome::positions_disagree: return "camera and accelerometer move differently";
-    case AlignmentOutcome::gravity_implausible: return "gravity of a wrong length";
-    case AlignmentOutcome::gravity_uncertain: return "gravity uncertain";
-    case AlignmentOutcome::scale_uncertain: return "scale uncertain";
-  }
-  return "unknown outcome";
-}
-
-/// Whether poses and IMU samples contradict each other: no motion, gravity and biases explain both.
-constexpr bool contradicts(AlignmentOutcome outcome) {
-  return outcome == AlignmentOutcome::rotations_disagree || outcome == AlignmentOutcome::positions_disagree ||
-         outcome == AlignmentOutcome::gravity_implausible;
-}
-
-/// Result of the alignment.
-template <std::floating_point S, int MaxFrames>
-struct InertialAlignment {
-  AlignmentOutcome outcome = AlignmentOutcome::too_few_frames;
-  SO3<S> R_world_ref;
-  S scale = S(1);  ///< meters in one unit of the camera poses
-  Vec<S, 3> bias_gyro = zeros<S, 3>(), bias_accel = zeros<S, 3>();
-  FixedVector<Vec<S, 3>, std::size_t(MaxFrames)> v_world_body;  ///< for each frame [m/s]
-  // Figures, up to the step that was reached:
-  double gyro_residual = 0;     ///< rms rotation between camera and gyroscope [rad]
-  double excitation = 0;        ///< rms change of the specific force between frames [m/s^2]
-  double gravity_norm = 0;      ///< norm of gravity while it is free [m/s^2]
-  double gravity_sigma = 0;     ///< sigma of the direction of gravity [rad]
-  double scale_sigma = 0;       ///< sigma of the scale, relative
-  double accel_bias_sigma = 0;  ///< largest sigma of the accelerometer bias over the axes [m/s^2]
-  double chi2 = 0;              ///< per degree of freedom; the sigmas above are multiplied by its square root if > 1
-
-  explicit operator bool() const { return outcome == AlignmentOutcome::aligned; }
-  /// Whether all quantities were estimated, but gravity or scale with a large sigma.
-  bool is_uncertain() const {
-    return !v_world_body.empty() &&
-           (outcome == AlignmentOutcome::gravity_uncertain || outcome == AlignmentOutcome::scale_uncertain);
-  }
-  bool contradicts() const { return plumbline::contradicts(outcome); }
-
-  /// State of frame k. The world has the origin of `ref`.
-  NavState<S> state(std::size_t k, const SE3<S>& T_ref_cam, const SE3<S>& T_body_cam) const {
-    const SE3<S> T_world_cam(R_world_ref * T_ref_cam.rotation(), R_world_ref * Vec<S, 3>(scale * T_ref_cam.p()));
-    return {T_world_cam * T_body_cam.inverse(), v_world_body[k], bias_gyro, bias_accel};
-  }
-};
-
 namespace detail {
-
-/// Offsets of the unknowns common to all frames: g', lambda, b'.
-struct AlignmentUnknowns {
-  enum : int { g = 0, lambda = 3, b_a = 4, count = 7 };
-};
 
 /// Mean and deviation of the specific forces between frames, in `ref` [m/s^2].
 struct SpecificForce {
@@ -150,61 +60,6 @@ SpecificForce specific_force(std::span<const AlignmentFrame<P>> frames, const SO
   return out;
 }
 
-/// Adds the whitened rows (7) of one interval, about the accelerometer bias of its increment; false when the covariance
-/// is not positive definite.
-template <int MaxFrames, class P>
-bool add_alignment_rows(VelocityChain<MaxFrames, AlignmentUnknowns::count>& chain, const AlignmentFrame<P>& begin,
-                        const AlignmentFrame<P>& end, const SE3<double>& T_body_cam, double lambda,
-                        const InertialAlignmentOptions& options) {
-  using Vec3 = Vec<double, 3>;
-  using Mat3 = Mat<double, 3, 3>;
-  const auto& d = end.imu->increment();
-  const double t = double(d.duration);
-  const Vec3 dp = cast_to<double>(d.delta.dp), dv = cast_to<double>(d.delta.dv);
-  const Vec3 bias = cast_to<double>(d.bias_accel), p_body_cam = T_body_cam.p();
-  const Mat3 J_p_a = cast_to<double>(d.J_p_a()), J_v_a = cast_to<double>(d.J_v_a());
-  const SE3<double> T_i = begin.T_ref_cam.template cast<double>(), T_j = end.T_ref_cam.template cast<double>();
-  const SO3<double> R_i_ref = T_body_cam.rotation() * T_i.rotation().inverse();
-  const SO3<double> R_i_j = R_i_ref * T_j.rotation() * T_body_cam.rotation().inverse();
-  const Mat3 Rt = R_i_ref.matrix(), t_Rt = t * Rt;
-
-  Mat<double, 6, 3> A_begin, A_end;
-  set_block(A_begin, 0, 0, t_Rt);
-  set_block(A_begin, 3, 0, Rt);
-  set_zero(A_end);
-  set_block(A_end, 3, 0, Mat3(-Rt));
-  Mat<double, 6, AlignmentUnknowns::count> B;
-  set_block(B, 0, AlignmentUnknowns::g, Mat3(0.5 * t * t_Rt));
-  set_block(B, 3, AlignmentUnknowns::g, t_Rt);
-  set_block(B, 0, AlignmentUnknowns::lambda, Vec3(dp + R_i_j * p_body_cam - p_body_cam - J_p_a * bias));
-  set_block(B, 3, AlignmentUnknowns::lambda, Vec3(dv - J_v_a * bias));
-  set_block(B, 0, AlignmentUnknowns::b_a, J_p_a);
-  set_block(B, 3, AlignmentUnknowns::b_a, J_v_a);
-  Vec<double, 6> c;
-  set_zero(c);
-  set_segment(c, 0, Vec3(R_i_ref * Vec3(T_j.p() - T_i.p())));
-
-  Mat<double, 6, 3> J_rotation;  // D of (7a)
-  set_block(J_rotation, 0, 0, hat(dp));
-  set_block(J_rotation, 3, 0, hat(dv));
-  Mat<double, 6, 6> variance = product_transposed(J_rotation, J_rotation);
-  variance = (options.rotation_sigma * options.rotation_sigma) * variance;
-  variance += cast_to<double>(block<6, 6>(d.covariance, 3, 3));
-  constexpr double variance_floor = 1e-12;  // numerics: S stays regular
-  for (int k = 0; k < 6; ++k) variance(k, k) += variance_floor;
-  variance = (lambda * lambda) * variance;
-  const Mat3 noise_end = product(R_i_j.matrix(), cast_to<double>(end.position_covariance));
-  const Mat3 noise = cast_to<double>(begin.position_covariance) + product_transposed(noise_end, R_i_j.matrix());
-  for (int k = 0; k < 3; ++k) {
-    for (int i = 0; i < 3; ++i) variance(i, k) += noise(i, k);
-    variance(k, k) += 2 * options.position_sigma * options.position_sigma;
-  }
-  const Result<Mat<double, 6, 6>> L = square_root_information(variance);
-  if (!L) return false;
-  chain.add_interval(product(*L, A_begin), product(*L, A_end), product(*L, B), product(*L, c));
-  return true;
-}
-
 }  // namespace detail
 
 /// Aligns at most MaxFrames frames in order of time. The preintegrations of the frames are reintegrated about the
@@ -215,7 +70,7 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
                                                                 const InertialAlignmentOptions& options = {},
                                                                 double gravity = standard_gravity<double>) {
   using S = typename P::Scalar;
-  using Unknowns = detail::AlignmentUnknowns;
+  using Unknowns = AlignmentUnknowns;
   using Row = Mat<double, 1, Unknowns::count>;
   PLUMBLINE_ASSERT(frames.size() <= std::size_t(MaxFrames));
   InertialAlignment<S, MaxFrames> out;
@@ -265,7 +120,7 @@ InertialAlignment<typename P::Scalar, MaxFrames> align_inertial(std::span<const 
       chain.add_common_row(row, 0);
     }
     for (std::size_t k = 1; k < frames.size(); ++k) {
-      if (!detail::add_alignment_rows(chain, frames[k - 1], frames[k], T_body_camera, lambda, options))
+      if (!add_alignment_rows(chain, frames[k - 1], frames[k], T_body_camera, lambda, options))
         return stop(AlignmentOutcome::scale_uncertain);
     }
     if (!chain.solve()) return stop(AlignmentOutcome::scale_uncertain);

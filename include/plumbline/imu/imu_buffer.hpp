@@ -23,73 +23,21 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 
-#include "plumbline/core/assert.hpp"
 #include "plumbline/core/elementary.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/result.hpp"
 #include "plumbline/core/ring_buffer.hpp"
 #include "plumbline/core/time.hpp"
 #include "plumbline/imu/full_scale.hpp"
+#include "plumbline/imu/imu_buffer_options.hpp"
+#include "plumbline/imu/imu_counts.hpp"
+#include "plumbline/imu/imu_coverage.hpp"
 #include "plumbline/imu/interval.hpp"
 #include "plumbline/imu/sample.hpp"
 
 namespace plumbline {
-
-struct ImuBufferOptions {
-  double gyro_full_scale = 34.9;    ///< full scale of the gyroscope [rad/s]; sensor: MEMS of 2000 deg/s
-  double accel_full_scale = 156.9;  ///< full scale of the accelerometer [m/s^2]; sensor: MEMS of 16 g
-  double gap_s = 0.025;             ///< samples further apart than this are a gap [s]; sensor: five samples at 200 Hz
-  /// Typical rate of change of the angular rate [rad/s^2]; tuned: docs/decisions/137 (chosen).
-  double gyro_rate = 10;
-  /// Typical rate of change of the specific force [m/s^3]; tuned: docs/decisions/137 (chosen).
-  double accel_rate = 50;
-  /// Fraction of the scatter of the accelerometer that counts as noise, (8b); tuned: docs/decisions/002.
-  double vibration = 0.3;
-  double vibration_s = 0.5;  ///< time constant of the scatter [s]; tuned: docs/decisions/137 (chosen)
-  /// Largest step of time stamps that is no clock jump [s]; tuned: docs/decisions/137 (chosen).
-  double max_jump_s = 1;
-  /// Repetitions of all six numbers after which a sensor counts as frozen; tuned: docs/decisions/137 (chosen).
-  int frozen_samples = 25;
-};
-
-/// Coverage of a requested time by samples. Frozen and saturated time may overlap the others.
-struct ImuCoverage {
-  bool valid = false;           ///< there were samples, and the requested time is not empty
-  int intervals = 0;            ///< number of intervals
-  double duration_s = 0;        ///< requested time [s]
-  double gap_s = 0;             ///< interpolated over gaps [s]
-  double held_s = 0;            ///< before the first or after the last sample [s]
-  double frozen_s = 0;          ///< frozen samples [s]
-  double saturated_s = 0;       ///< gyroscope or accelerometer saturated [s]
-  double gyro_saturated_s = 0;  ///< gyroscope saturated [s]
-
-  /// Coverage of two successive times together.
-  ImuCoverage& operator+=(const ImuCoverage& next) {
-    valid = valid || next.valid;
-    intervals += next.intervals;
-    duration_s += next.duration_s;
-    gap_s += next.gap_s;
-    held_s += next.held_s;
-    frozen_s += next.frozen_s;
-    saturated_s += next.saturated_s;
-    gyro_saturated_s += next.gyro_saturated_s;
-    return *this;
-  }
-
-  /// Fraction of the time without live samples, 0..1.
-  double missing() const { return valid ? std::min(1.0, (gap_s + held_s + frozen_s) / duration_s) : 1; }
-};
-
-/// Counts of samples since construction.
-struct ImuCounts {
-  std::int64_t accepted = 0, not_finite = 0, clock_jumps = 0, saturated = 0, frozen = 0;
-  std::int64_t reordered = 0;  ///< inserted before a newer sample
-  std::int64_t repeated = 0;   ///< rejected: there is a sample of that time
-  std::int64_t late = 0;       ///< of a time already used by a frame: rejected unless it is the newest
-};
 
 template <std::size_t Capacity = 512>
 class ImuBuffer {
@@ -99,8 +47,7 @@ class ImuBuffer {
     bool saturated = false, frozen = false, clock_jumped = false;
   };
 
-  ImuBuffer() = default;
-  explicit ImuBuffer(const ImuBufferOptions& options) : options_(options) {}
+  explicit ImuBuffer(const ImuBufferOptions& options = {}) : options_(options) {}
 
   /// Adds a sample, see above.
   Result<Accepted> add(const ImuSample& sample);
@@ -120,21 +67,19 @@ class ImuBuffer {
   bool reaches(TimeNs t_ns) const { return !empty() && items_.back().sample.t_ns >= t_ns; }
   const ImuCounts& counts() const { return counts_; }
   const ImuBufferOptions& options() const { return options_; }
-  double gyro_full_scale() const { return std::min(options_.gyro_full_scale, gyro_full_scale_.found()); }  ///< [rad/s]
-  double accel_full_scale() const {
-    return std::min(options_.accel_full_scale, accel_full_scale_.found());
-  }  ///< [m/s^2]
+  /// Full scale of gyroscope [rad/s] and accelerometer [m/s^2].
+  double gyro_full_scale() const { return std::min(options_.gyro_full_scale, gyro_full_scale_.found()); }
+  double accel_full_scale() const { return std::min(options_.accel_full_scale, accel_full_scale_.found()); }
 
   /// The index of the first sample after t, size() if there is none.
   std::size_t first_after(TimeNs t_ns) const {
     std::size_t low = 0, high = size();
     while (low < high) {
       const std::size_t middle = (low + high) / 2;
-      if (items_[middle].sample.t_ns > t_ns) {
+      if (items_[middle].sample.t_ns > t_ns)
         high = middle;
-      } else {
+      else
         low = middle + 1;
-      }
     }
     return low;
   }
@@ -159,7 +104,6 @@ class ImuBuffer {
   static constexpr double saturation_ratio = 0.995;
 
   bool frozen(const Item& item) const { return item.repeated >= options_.frozen_samples; }
-
   bool gyro_saturated(const Item& item) const {
     return max_abs(item.sample.gyro) >= saturation_ratio * gyro_full_scale();
   }
@@ -267,7 +211,6 @@ ImuCoverage ImuBuffer<Capacity>::for_each_interval(TimeNs t_begin_ns, TimeNs t_e
     interval.gyro_end = value_at(end, &ImuSample::gyro);
     interval.accel_begin = value_at(t, &ImuSample::accel);
     interval.accel_end = value_at(end, &ImuSample::accel);
-
     const double spacing_s = seconds_between(a.sample.t_ns, b.sample.t_ns);
     double unmeasured_s = 0;  // T of (8)
     if (before || after) {

@@ -9,6 +9,13 @@
 
 namespace plumbline {
 
+/// Gives the initializer the poses of the window, which have been solved since they were added.
+void correct_poses(auto& initializer, const auto& frames, const auto& T_body_cam) {
+  for (int slot = 0; slot < frames.slots; ++slot) {
+    if (frames[slot].used) initializer.correct(frames[slot].t_ns, frames.T_world_body(slot) * T_body_cam);
+  }
+}
+
 /// Restarts the window at the states of the alignment, `state_of(slot)`, and solves it; then once more, linearized at
 /// the solution: the states of the alignment are too inaccurate for that. IMU factors are active from now on, the prior
 /// is that of the alignment. Without depth the distance between the oldest and the newest frame is held by the sigma of
@@ -16,11 +23,11 @@ namespace plumbline {
 /// errors of the aligned poses are correlated.
 template <class Initializer>
 void solve_aligned_window(const Initializer& initializer, const LevenbergMarquardtOptions& solver, const auto& view,
-                          auto& window, const auto& motion, const auto& T_body_cam, auto&& state_of) {
+                          auto& window, const auto& propagation, const auto& T_body_cam, auto&& state_of) {
   auto& frames = window.frames();
   const auto restart = [&](auto&& states) {
     window.backend().restart(states, initializer.prior_on_biases(), T_body_cam,
-                             motion.time_offset(initializer.options().max_time_sigma_s));
+                             propagation.time_offset(initializer.options().max_time_sigma_s));
   };
   const auto solve = [&](double length) {
     if constexpr (Initializer::needs_second_view) {

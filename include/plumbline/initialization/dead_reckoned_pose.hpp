@@ -9,7 +9,7 @@
 #include "plumbline/imu/gravity.hpp"
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/lie/sim3.hpp"
-#include "plumbline/motion/dead_reckoning.hpp"
+#include "plumbline/propagation/dead_reckoning.hpp"
 #include "plumbline/state/world_frame_uncertainty.hpp"
 
 namespace plumbline {
@@ -18,7 +18,7 @@ namespace plumbline {
 template <class S>
 struct HoldLastPose {
   explicit HoldLastPose(const auto& /*options*/) {}
-  static void advance(const auto& /*motion*/, S /*dt*/) {}
+  static void advance(const auto& /*propagation*/, S /*dt*/) {}
   static void mark_lost(const auto& /*x*/, auto& navigation) {
     navigation.world().set(navigation.T_world_body(), navigation.covariance());
   }
@@ -34,18 +34,18 @@ class DeadReckonedPose {
 
   explicit DeadReckonedPose(const auto& options)
       : options_({.max_s = options.recovery.max_imu_only_s,
-                  .velocity_walk = options.motion.velocity_sigma,
+                  .velocity_walk = options.propagation.velocity_sigma,
                   .lost_speed = options.recovery.lost_speed,
                   .lost_rate = options.recovery.lost_rate}),
-        gravity_(options.motion.gravity),
-        velocity_sigma_(options.motion.velocity_sigma),
-        position_sigma_(options.motion.stationary_position_sigma),
+        gravity_(options.propagation.gravity),
+        velocity_sigma_(options.propagation.velocity_sigma),
+        position_sigma_(options.propagation.stationary_position_sigma),
         dead_reckoning_(options_) {}
 
   /// Propagates the pose by the IMU increment since the last frame, until initialization is complete.
-  void advance(const auto& motion, S dt) {
-    if (motion.is_initialized()) return;
-    const auto& imu = motion.imu();
+  void advance(const auto& propagation, S dt) {
+    if (propagation.is_initialized()) return;
+    const auto& imu = propagation.imu();
     dead_reckoning_.advance(imu.since_frame().increment(), gravity_in_world<S>(S(gravity_)), dt, imu.is_unusable(),
                             imu.is_missing());
   }

@@ -12,7 +12,7 @@
 #include "plumbline/initialization/init_report.hpp"
 #include "plumbline/initialization/scale_verification.hpp"
 #include "plumbline/lie/se3.hpp"
-#include "plumbline/motion/imu_integrator.hpp"
+#include "plumbline/propagation/imu_integrator.hpp"
 #include "plumbline/state/camera_imu_filter.hpp"
 #include "plumbline/state/layout.hpp"
 

@@ -52,4 +52,11 @@ class ScaleVerification {
   bool converged_ = false;
 };
 
+/// For rigs whose scale needs no verification: no state, no code.
+struct NoScaleVerification {
+  static void begin() {}
+  static constexpr bool has_converged() { return true; }
+  static constexpr bool is_rejected() { return false; }
+};
+
 }  // namespace plumbline

@@ -10,11 +10,11 @@ namespace plumbline {
 
 class StopDetector {
  public:
-  /// With the options of a motion model that detects stationarity; without them nothing is detected.
-  explicit StopDetector(const auto& motion) {
-    if constexpr (requires { motion.stationary_motion_px; }) {
-      motion_px_ = motion.stationary_motion_px;
-      check_s_ = motion.stationary_check_s;
+  /// With the options of a propagation that detects stationarity; without them nothing is detected.
+  explicit StopDetector(const auto& propagation) {
+    if constexpr (requires { propagation.stationary_motion_px; }) {
+      motion_px_ = propagation.stationary_motion_px;
+      check_s_ = propagation.stationary_check_s;
     }
   }
 

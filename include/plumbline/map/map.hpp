@@ -11,7 +11,7 @@
 ///   work()          a bounded slice of what is not done yet: query, verification, pose graph
 ///   S_map_world()   correction of the world: the identity until a place is recognized
 ///
-/// A map policy names a map for the parts of an estimator, constructed by Map(rig, map_options):
+/// A map policy (MapPolicy) names a map for the parts of an estimator, constructed by Map(rig, map_options):
 ///   struct Options;   template <class Parts> using Map = ...;
 
 #include <concepts>
@@ -33,5 +33,11 @@ concept Map = requires(M& map, const M& known, const AdoptedKeyframe<Frames, Sen
   map.work();
   { known.S_map_world() } -> std::convertible_to<Sim3<typename Sensors::Scalar>>;
 };
+
+template <class P, class Parts>
+concept MapPolicy = std::default_initializable<typename P::Options> && Map < typename P::template Map<Parts>,
+typename Parts::Sensors, typename Parts::Window,
+    typename Parts::Landmarks > &&std::constructible_from<typename P::template Map<Parts>,
+                                                          const typename Parts::Sensors&, const typename P::Options&>;
 
 }  // namespace plumbline

@@ -2,7 +2,7 @@
 /// Calibration state of the rig in use: extrinsics, time offset, readout time.
 ///
 /// It begins with the calibration and is the one source of these values for all other parts, so that an online estimate
-/// is used everywhere. Of the blocks of the rig (state/block.hpp) the time offset is estimated by the motion model with
+/// is used everywhere. Of the blocks of the rig (state/block.hpp) the time offset is estimated by the propagation with
 /// an IMU, readout time and extrinsics by the window.
 
 #include "plumbline/core/present.hpp"
