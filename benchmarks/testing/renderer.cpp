@@ -8,6 +8,7 @@
 #include "plumbline/testing/rig.hpp"
 #include "plumbline/testing/scenes.hpp"
 #include "plumbline/testing/simulated_camera.hpp"
+#include "plumbline/testing/trajectory.hpp"
 
 using namespace plumbline;
 using namespace plumbline::testing;

@@ -6,6 +6,7 @@
 #include "plumbline/camera/pinhole.hpp"
 #include "plumbline/testing/rig.hpp"
 #include "plumbline/testing/scenes.hpp"
+#include "plumbline/testing/trajectory.hpp"
 
 using namespace plumbline;
 using namespace plumbline::testing;

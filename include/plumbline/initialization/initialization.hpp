@@ -107,7 +107,7 @@ class Initialization {
     start_series(view, on);
   }
 
-  /// Tracks the corners of the first view until the parallax to the frame suffices for a second view. `distance` is that
+  /// Tracks the corners of the first view until the parallax to the frame suffices for a second view. `distance`: that
   /// of the frame from the first view, where a map knows it, else 0.
   void find_second_view(const View<Sensors>& view, const State& predicted, S distance, auto&& on) {
     if constexpr (Initializer::needs_second_view) {

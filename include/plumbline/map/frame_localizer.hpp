@@ -1,10 +1,10 @@
 #pragma once
 /// The pose of a single frame in the map: what a camera that is lost knows of its place.          docs/math/map.md 6
 ///
-/// The pose of the frame in a local map (local_map.hpp) is that of place_pose.hpp. Points that agree are followed into the
-/// next images (frame_tracks.hpp). The local map is that of the pose of the frame before, where the map has told it, else
-/// those of the keyframes that look most like the frame, of each place one. A pose counts when the frame before had one
-/// that a moving camera can have come from, and when no other place gives one, too.
+/// The pose of the frame in a local map (local_map.hpp) is that of place_pose.hpp. Points that agree are followed into
+/// the next images (frame_tracks.hpp). The local map is that of the pose of the frame before, where the map has told
+/// it, else those of the keyframes that look most like the frame, of each place one. A pose counts when the frame before
+/// had one that a moving camera can have come from, and when no other place gives one, too.
 
 #include <algorithm>
 #include <array>
@@ -70,7 +70,7 @@ class FrameLocalizer {
     return frame_;
   }
   /// The pose of the frame by those keyframes that `accept(keyframe)` holds for. nullptr without one that counts.
-  /// `R_cur_prev`: rotation that is expected of the camera since the previous image. `is_ambiguous` is set where several
+  /// `R_cur_prev`: rotation that is expected of the camera since the previous image. `is_ambiguous` is set where more
   /// places give a pose; they are `min_alias` mean ranges from one another.
   template <class View, class Index>
   const Pose* find(const View& view, const SO3<S>& R_cur_prev, const Places& places, Index& index,

@@ -35,8 +35,8 @@ class LocalMap {
     return Places::to_sim3(places.graph().pose(k)) * Sim3<S>(places.keyframe(k).T_body_cam);
   }
 
-  /// Of a camera at T_map_cam, which sees what `frame` does, by keyframes with accept(keyframe). visit(k) is told of all
-  /// whose views overlap with its view.
+  /// Of a camera at T_map_cam, which sees what `frame` does, by keyframes with accept(keyframe). visit(k) is told of
+  /// all whose views overlap with its view.
   void collect(const Places& places, const SE3<S>& T_map_cam, const auto& frame, const LocalMapOptions& options,
                S max_relative_sigma, const auto& accept, auto&& visit) {
     keyframe.features.clear();
