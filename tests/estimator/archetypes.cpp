@@ -147,7 +147,7 @@ class BareInitializer : Pinned {
     int pairs() const { return views_.pairs(); }
     bool has_expired(double age_s) const { return views_.has_expired(age_s); }
     bool solve(const SO3<S>& R_2_1, InitReport& report) { return views_.solve(R_2_1, report); }
-    SE3<S> T_1_2() const { return views_.T_1_2(); }
+    SE3<S> T_1_2(S distance) const { return views_.T_1_2(distance); }
 
    private:
     Inner::Visual& views_;

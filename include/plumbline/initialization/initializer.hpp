@@ -30,7 +30,7 @@ concept SolvesTwoViews = requires(V& views, const V& known, const Vec<S, 3>& f, 
   { known.pairs() } -> std::convertible_to<int>;
   { known.has_expired(1.0) } -> std::convertible_to<bool>;  // age of the first view [s]
   { views.solve(R_2_1, report) } -> std::convertible_to<bool>;
-  { known.T_1_2() } -> std::convertible_to<SE3<S>>;
+  { known.T_1_2(S()) } -> std::convertible_to<SE3<S>>;
 };
 
 /// Alignment of a series of camera poses with the IMU. `options` has the members of InertialInitializerOptions.

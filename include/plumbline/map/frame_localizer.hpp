@@ -3,8 +3,8 @@
 ///
 /// The pose of the frame in a local map (local_map.hpp) is that of place_pose.hpp. Points that agree are followed into
 /// the next images (frame_tracks.hpp). The local map is that of the pose of the frame before, where the map has told
-/// it, else those of the keyframes that look most like the frame, of each place one. A pose counts when the frame before
-/// had one that a moving camera can have come from, and when no other place gives one, too.
+/// it, else those of the keyframes that look most like the frame, of each place one. A pose counts when the frame
+/// before had one that a moving camera can have come from, and when no other place gives one, too.
 
 #include <algorithm>
 #include <array>
