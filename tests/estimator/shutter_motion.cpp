@@ -10,8 +10,8 @@
 using namespace plumbline;
 
 namespace {
-using Rolling = Rig<Rgbd<Pinhole<double>, 64 * 64>>;
-using Fixed = Rig<Mono<Pinhole<double>, 64 * 64>>;
+using RollingRig = Rig<Rgbd<Pinhole<double>, 64 * 64>>;
+using GlobalRig = Rig<Mono<Pinhole<double>, 64 * 64>>;
 
 /// A body that turns about the axis of its camera.
 struct Turning {
@@ -21,9 +21,9 @@ struct Turning {
 }  // namespace
 
 TEST_CASE("shutter_motion: pixels of a rolling shutter are corrected by the motion of the body") {
-  test::SmallView<Rolling> views;
+  test::SmallView<RollingRig> views;
   const auto& pyramid = *views.pyramid;
-  View<Rolling> view{0, 0.05, views.rig, pyramid, pyramid, {}, {}, {}, {views.rig.vision.camera, 64, 0.02}};
+  View<RollingRig> view{0, 0.05, views.rig, pyramid, pyramid, {}, {}, {}, {views.rig.vision.camera, 64, 0.02}};
   const Vec<double, 2> pixel(60, 60);
   CHECK((view.shutter.still(pixel, 1).uv - pixel).norm() == 0);
   set_shutter_motion(view, Turning{}, 0, 2.0);
@@ -31,8 +31,8 @@ TEST_CASE("shutter_motion: pixels of a rolling shutter are corrected by the moti
 }
 
 TEST_CASE("shutter_motion: with a global shutter no motion is asked for") {
-  test::SmallView<Fixed> views;
-  View<Fixed> view = views.at(0, 0.05, {}, {});
+  test::SmallView<GlobalRig> views;
+  View<GlobalRig> view = views.at(0, 0.05, {}, {});
   struct {
   } knows_nothing;
   set_shutter_motion(view, knows_nothing, 0, 2.0);
@@ -41,9 +41,9 @@ TEST_CASE("shutter_motion: with a global shutter no motion is asked for") {
 
 namespace {
 /// A backend whose window finds a readout time.
-struct Backend {
+struct ReadoutBackend {
   using S = double;
-  using Sensors = Rolling;
+  using Sensors = RollingRig;
   using State = int;
   using Factor = int;
   struct Options {};
@@ -77,20 +77,20 @@ struct Backend {
   }
 };
 struct Run {
-  Rolling rig{};
-  RigState<Rolling> rig_state;
-  Backend backend;
-  Backend::Landmarks landmarks;
-  ReadoutEstimation<Backend> estimation;
+  RollingRig rig{};
+  RigState<RollingRig> rig_state;
+  ReadoutBackend backend;
+  ReadoutBackend::Landmarks landmarks;
+  ReadoutEstimation<ReadoutBackend> estimation;
 
   explicit Run(double sigma_s = 0.02) : rig_state(with(rig, sigma_s), {}) {}
-  static Rolling& with(Rolling& rig, double sigma_s) {
+  static RollingRig& with(RollingRig& rig, double sigma_s) {
     rig.vision.readout.set({0.02, sigma_s});
     return rig;
   }
   bool update() {
     struct {
-      const Rolling& rig;
+      const RollingRig& rig;
       SE3<double> T_body_cam;
     } const view{rig, {}};
     return estimation.update(backend, view, landmarks, rig_state);
@@ -100,7 +100,7 @@ struct Run {
 
 TEST_CASE("shutter_motion: the window begins with the readout time of the calibration, and its sigma") {
   Run run;
-  ReadoutEstimation<Backend>::start(run.backend, run.rig_state);
+  ReadoutEstimation<ReadoutBackend>::start(run.backend, run.rig_state);
   CHECK((run.backend.prior_s == 0.02 && run.backend.sigma_s == 0.02 && run.backend.in_use_s == 0.02));
 }
 
