@@ -56,7 +56,7 @@ struct AtRest {
 TEST_CASE("metric_report: a pose of uncertain scale where there is an estimate, and the pose takes it") {
   Pose pose;
   Components on;
-  report_up_to_scale(pose, Initializer{false}, on);
+  report_up_to_scale(pose, Initializer{false, {}}, on);
   CHECK((pose.applied == 0 && !on.report.has_metric_pose));
   pose.applies = false;
   report_up_to_scale(pose, Initializer{}, on);

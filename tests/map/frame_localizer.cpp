@@ -60,7 +60,8 @@ struct Room {
       Mat<S, 6, 6> covariance = zeros<S, 6, 6>();
       for (int i = 0; i < 6; ++i) covariance(i, i) = S(1e-6 * (1 + k));
       const SE3<double> shifted(T.rotation(), T.p() + shift);
-      REQUIRE(places->add(++id, TimeNs(id), shifted.template cast<S>(), SE3<S>(), covariance));
+      ++id;
+      REQUIRE(places->add(id, TimeNs(id), shifted.template cast<S>(), SE3<S>(), covariance));
       auto& keyframe = places->keyframe(places->size() - 1);
       points.look(T, keyframe.features);
       places->retire(id, shifted.template cast<S>());

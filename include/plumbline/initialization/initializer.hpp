@@ -57,12 +57,17 @@ concept AlignsWithImu = requires(I& initializer, const I& known, TimeNs t_ns, co
   { known.prior_on_biases() } -> std::convertible_to<Mat<double, 6, InertialLayout::dim>>;
 };
 
+/// An initializer that has two views.
+template <class I, class S>
+concept HasTwoViews = requires(I& initializer) {
+  requires SolvesTwoViews<std::remove_cvref_t<decltype(initializer.visual())>, S>;
+};
+
 /// Every call to an initializer that the sensors give rise to.
 template <class I, class Sensors>
-concept Initializer = std::constructible_from<I, const typename I::Options&> && requires(I& initializer) {
+concept Initializer = std::constructible_from<I, const typename I::Options&> && requires {
   { I::needs_second_view } -> std::convertible_to<bool>;
-  requires !I::needs_second_view ||
-      SolvesTwoViews<std::remove_cvref_t<decltype(initializer.visual())>, typename Sensors::Scalar>;
+  requires !I::needs_second_view || HasTwoViews<I, typename Sensors::Scalar>;
   requires !Sensors::has_imu || AlignsWithImu<I, Sensors>;
 };
 
