@@ -111,8 +111,7 @@ class Live {
  public:
   Live(const Configuration& configuration, const LiveOptions& options, const io::Calibration& calibration,
        const Connection& connection, LiveQueue& queue, RunFiles& files, LivePage* page)
-      : needs_(configuration.needs),
-        depth_scale_(calibration.depth_scale),
+      : depth_scale_(calibration.depth_scale),
         runner_(configuration.make(calibration, options.with_map)),
         output_(connection, options.format == "binary"),
         queue_(queue),
@@ -170,7 +169,6 @@ class Live {
     dropped_ = all;
   }
 
-  Needs needs_;
   double depth_scale_;
   std::unique_ptr<Runner> runner_;
   LiveOutput output_;

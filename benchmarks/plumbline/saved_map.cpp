@@ -43,21 +43,20 @@ struct MapExtent {
 
 MapExtent extent_of(const io::MapContents& map) {
   MapExtent out;
-  auto& [worlds, located, path, size] = out;
   Point low = Point::Constant(std::numeric_limits<double>::infinity()), high = -low;
   const io::MapContents::Keyframe* before = nullptr;
   for (const auto& entry : map.keyframes) {
-    worlds.insert(entry.keyframe.world);
+    out.worlds.insert(entry.keyframe.world);
     if (before && before->keyframe.world == entry.keyframe.world)
-      path += (entry.keyframe.S_map_body.t() - before->keyframe.S_map_body.t()).norm();
+      out.path += (entry.keyframe.S_map_body.t() - before->keyframe.S_map_body.t()).norm();
     before = &entry;
     entry.for_each_point([&](const pl::PlaceFeature&, const Point& p, double) {
-      ++located;
+      ++out.located;
       low = low.cwiseMin(p);
       high = high.cwiseMax(p);
     });
   }
-  size = located > 0 ? Point(high - low) : Point(0, 0, 0);
+  out.size = out.located > 0 ? Point(high - low) : Point(0, 0, 0);
   return out;
 }
 
