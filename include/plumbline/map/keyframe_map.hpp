@@ -34,6 +34,7 @@
 #include "plumbline/map/keyframe_map_options.hpp"
 #include "plumbline/map/local_adjustment.hpp"
 #include "plumbline/map/loop_finder.hpp"
+#include "plumbline/map/map_correction.hpp"
 #include "plumbline/map/map_localizer.hpp"
 #include "plumbline/map/map_points.hpp"
 #include "plumbline/map/place_archive.hpp"
@@ -59,6 +60,7 @@ class KeyframeMapCore {
   using S = typename Places::S;
   using Pose = typename Places::Pose;
   using Keyframe = typename Places::Keyframe;
+  using Covariance = typename Places::Covariance;
   static constexpr int none = Places::none;
   enum class Stage : std::uint8_t { query, verify, solve, adjust };
   /// Points of the map are found again, and keyframes adjusted with them.
@@ -74,7 +76,14 @@ class KeyframeMapCore {
 
   const Places& places() const { return places_; }
   const KeyframeMapCounts& counts() const { return counts_; }
+  /// Correction of the present world.
   Sim3<S> S_map_world() const { return places_.S_map_world(); }
+  /// How often it has changed.
+  std::uint32_t corrections() const { return correction_.count(); }
+  /// Covariance of the newest keyframe's pose in the map, see map_correction.hpp; false where it is not known.
+  bool covariance_in_map(Covariance& out) const {
+    return places_.size() > 0 && correction_.covariance(places_, places_.size() - 1, out);
+  }
 
   /// sink(std::span<const std::byte>) gets the bytes of the map, place_archive.hpp. In any state.
   template <class Sink>
@@ -130,6 +139,7 @@ class KeyframeMapCore {
       case Kind::transformed:
         places_.transform(change.S_new_old, change.T_body_cam);
         finder_.forget_aliases();
+        correction_.forget();
         is_initialized_ = true;
         break;
       case Kind::rejected: remove_present_world(); break;
@@ -199,6 +209,7 @@ class KeyframeMapCore {
     return {descriptors_.data(), descriptors_.size()};
   }
   void remove_present_world() {
+    correction_.forget();
     for (int k = places_.size() - 1; k >= 0 && places_.keyframe(k).world == places_.world(); --k) {
       index_.remove(std::uint32_t(places_.slot(k)));
       points_.forget(places_.keyframe(k), places_.slot(k));
@@ -229,6 +240,7 @@ class KeyframeMapCore {
   }
   bool remove(int k) {
     const int slot = places_.slot(k);
+    correction_.before_removal(places_, k);
     if (!places_.remove(k)) return false;
     index_.remove(std::uint32_t(slot));
     points_.forget(places_.keyframe_in(slot), slot);
@@ -286,6 +298,7 @@ class KeyframeMapCore {
       places_.join(places_.find(loop.j), localizer_.pose());
       ++counts_.loops;
       ++counts_.corrections;
+      correction_.set(loop.j, localizer_.covariance(), true);
       counts_.relocalizations += !was_localized;
     }
     last_ = loop;
@@ -365,6 +378,7 @@ class KeyframeMapCore {
     if (world_newest_ != places_.world()) return;
     places_.correct(
         n, [this](int k) { return solver_.pose(k); }, T_world_newest_);
+    correction_.set(places_.keyframe(n - 1).id, cast_to<S>(solver_.newest_covariance()), solver_.covariance_valid());
     ++counts_.corrections;
   }
 
@@ -381,6 +395,7 @@ class KeyframeMapCore {
   SE3<S> T_world_newest_;
   FixedVector<BinaryDescriptor, MaxFeatures> descriptors_;
   Places places_;
+  MapCorrection<Places> correction_;
   Points points_;
   HammingPlaceIndex<std::size_t(MaxKeyframes), MaxFeatures> index_;
   LoopFinder<Places, MaxFeatures> finder_;
