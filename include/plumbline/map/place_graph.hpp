@@ -2,14 +2,7 @@
 /// Keyframes in order of sequence with their pose graph: poses in their world, odometry between neighbors, loops, and
 /// the correction of the present world.                                                       docs/math/map.md 1
 ///
-///   T_(k-1)k = T_(k-1)^-1 T_k, with the poses that both have when the first of them retires from the window        (5)
-///   Q_k = (P_k - A P_(k-m) A^T)/m + F, what the window's covariance has grown by; negative eigenvalues are zero   (6)
 ///   S_map_world = S_map_n T_n^-1 of the newest keyframe n that was solved for                                      (7)
-/// F is the noise floor of an edge. P is that of the newest frame of the window, with the noise of its own
-/// observations, and grows less than this noise from keyframe to keyframe: (6) is the mean growth over m keyframes. A
-/// growth from one to the next of 25 times the variance that those before it had is that of a visual outage: it is kept
-/// whole, m = 1, and the mean restarts. A keyframe of the window is as certain as a newer one moved to its place. A
-/// keyframe of a new world has an edge without information.
 
 #include <algorithm>
 #include <array>
@@ -23,21 +16,16 @@
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/lie/sim3.hpp"
 #include "plumbline/map/map_archive.hpp"
+#include "plumbline/map/odometry_edges.hpp"
 #include "plumbline/map/place_keyframe.hpp"
 #include "plumbline/map/pose_graph.hpp"
-#include "plumbline/solver/symmetric_eigen.hpp"
 #include "plumbline/state/world_frame_uncertainty.hpp"
 
 namespace plumbline {
 
-struct PlaceGraphOptions {
-  double sigma_rotation = 3e-4;   ///< floor of an edge [rad]; geometry: a tenth of a pixel at 450 px
-  double sigma_position = 1e-3;   ///< floor of an edge [m]
-  int mean_keyframes = 50;        ///< m of (6) at most
+struct PlaceGraphOptions : OdometryEdgeOptions {
   double sigma_log_scale = 2e-3;  ///< of an edge without an IMU and depth: 100 ranges of 2 % each
-  double unknown_rotation = 10;   ///< sigma of an edge to a new world [rad]
-  double unknown_position = 1e3;  ///< [m]
-  double unknown_log_scale = 10;
+  double unknown_log_scale = 10;  ///< of an edge to a new world
 };
 
 template <RelativeResidual ResidualT, int MaxKeyframes, std::size_t MaxFeatures, int MaxLoops>
@@ -54,7 +42,7 @@ class PlaceGraph {
   static constexpr int max_keyframes = MaxKeyframes, none = -1;
   static constexpr std::size_t max_features = MaxFeatures;
 
-  explicit PlaceGraph(const PlaceGraphOptions& options) : options_(options) {
+  explicit PlaceGraph(const PlaceGraphOptions& options) : options_(options), edges_(options) {
     for (int slot = 0; slot < MaxKeyframes; ++slot) order_[std::size_t(slot)] = std::int16_t(slot);
   }
 
@@ -95,13 +83,13 @@ class PlaceGraph {
     if (size_ == 0) {
       if (graph_.add_first(in_map(T_world_body)) != PoseGraphInsertion::inserted) return false;
     } else {
-      measure(size_);
+      edges_.measure(in_order(), size_);
       if (graph_.add_node(in_map(T_world_body), to_pose(added.T_before), of_edge(size_)) !=
           PoseGraphInsertion::inserted)
         return false;
     }
     ++size_;
-    carry_back();
+    edges_.carry_back(in_order(), size_ - 1);
     return true;
   }
   /// A keyframe of a saved map, after those before it; its features are to follow. False where its numbers are no pose.
@@ -156,7 +144,7 @@ class PlaceGraph {
     if (k == none || keyframe(k).is_retired) return;
     for (int edge = k; edge <= k + 1 && edge < size_; ++edge) {
       if (edge == 0 || keyframe(edge).is_fixed) continue;
-      measure(edge);
+      edges_.measure(in_order(), edge);
       keyframe(edge).is_fixed = true;
       keyframe(edge).is_new = true;
     }
@@ -168,7 +156,7 @@ class PlaceGraph {
     for (int k = 1; k < size_; ++k) {
       Keyframe& keyframe = this->keyframe(k);
       if (keyframe.is_fixed && !std::exchange(keyframe.is_new, false)) continue;
-      if (!keyframe.is_fixed) measure(k);
+      if (!keyframe.is_fixed) edges_.measure(in_order(), k);
       (void)graph_.set_odometry(k, to_pose(keyframe.T_before), of_edge(k));
     }
     graph_.set_poses(size_, [this](int k) {
@@ -325,36 +313,8 @@ class PlaceGraph {
   }
 
  private:
-  /// (5), (6)
-  void measure(int k) {
-    Keyframe& keyframe = this->keyframe(k);
-    const Keyframe& before = this->keyframe(k - 1);
-    keyframe.begins_mean = false;
-    keyframe.T_before = before.T_world_body.inverse() * keyframe.T_world_body;
-    const Mat<S, 6, 6> of_window = keyframe.Q;
-    set_zero(keyframe.Q);
-    const bool is_connected = before.world == keyframe.world;
-    if (is_connected) {
-      const Keyframe& earlier = this->keyframe(first_of_mean(k));
-      const S m = S(k - first_of_mean(k));
-      keyframe.Q = (S(1) / m) * growth(earlier, keyframe);
-      const Mat<S, 6, 6> alone = growth(before, keyframe);
-      keyframe.growth = position_variance(alone);
-      if (is_outage(k)) {
-        keyframe.Q = alone;
-        keyframe.begins_mean = true;
-      }
-      if (keyframe.is_known) keyframe.Q = of_window;
-    }
-    if (is_connected && keyframe.is_known) {
-      return;
-    }
-    const S rotation = S(is_connected ? options_.sigma_rotation : options_.unknown_rotation);
-    const S position = S(is_connected ? options_.sigma_position : options_.unknown_position);
-    for (int i = 0; i < 3; ++i) {
-      keyframe.Q(i, i) += rotation * rotation;
-      keyframe.Q(3 + i, 3 + i) += position * position;
-    }
+  auto in_order() {
+    return [this](int k) -> Keyframe& { return keyframe(k); };
   }
   Covariance of_edge(int k) const {
     const bool is_connected = keyframe(k - 1).world == keyframe(k).world;
@@ -376,49 +336,8 @@ class PlaceGraph {
     keyframe.T_world_body_in_graph = keyframe.T_world_body;
     keyframe.is_moved = false;
   }
-  /// The first keyframe of the mean (6) that ends at k.
-  int first_of_mean(int k) const {
-    int first = k - 1;
-    while (first > 0 && k - first < options_.mean_keyframes && keyframe(first - 1).world == keyframe(k).world &&
-           !keyframe(first).begins_mean)
-      --first;
-    return first;
-  }
-  /// The uncertainty of a keyframe does not exceed that of a later one: the window is smoothed. The first keyframes of
-  /// a camera alone are given theirs before it has ranges.
-  void carry_back() {
-    const Keyframe& newest = keyframe(size_ - 1);
-    for (int k = size_ - 2; k >= 0; --k) {
-      Keyframe& earlier = keyframe(k);
-      if (earlier.is_retired || earlier.world != newest.world) return;
-      const Mat<S, 6, 6> P = transported(newest.covariance, newest.T_world_body, earlier.T_world_body);
-      if (position_variance(P) < position_variance(earlier.covariance)) earlier.covariance = P;
-    }
-  }
-  /// Whether keyframe k alone has grown more than noise explains.
-  bool is_outage(int k) const {
-    S sum = S(0);
-    int n = 0;
-    for (int before = k - 1; before > first_of_mean(k); --before, ++n) sum += keyframe(before).growth;
-    return n >= 3 && S(n) * keyframe(k).growth > S(25) * sum;
-  }
-  static Mat<S, 6, 6> growth(const Keyframe& from, const Keyframe& to) {
-    return positive_part(to.covariance - transported(from.covariance, from.T_world_body, to.T_world_body));
-  }
-  static S position_variance(const Mat<S, 6, 6>& P) { return P(3, 3) + P(4, 4) + P(5, 5); }
-  /// The symmetric matrix without its negative eigenvalues.
-  static Mat<S, 6, 6> positive_part(const Mat<S, 6, 6>& A) {
-    const SymmetricEigen<S, 6> eigen(A);
-    Mat<S, 6, 6> out = zeros<S, 6, 6>();
-    for (int n = 0; n < 6; ++n) {
-      if (!(eigen.values[n] > S(0))) continue;
-      for (int i = 0; i < 6; ++i)
-        for (int j = 0; j < 6; ++j) out(i, j) += eigen.values[n] * eigen.V(i, n) * eigen.V(j, n);
-    }
-    return out;
-  }
-
   PlaceGraphOptions options_;
+  OdometryEdges<Keyframe> edges_;
   int size_ = 0;
   std::uint32_t world_ = 0;
   Sim3<S> S_map_world_;

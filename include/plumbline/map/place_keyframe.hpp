@@ -31,6 +31,7 @@ struct PlaceFeature {
 
 template <class S, std::size_t MaxFeatures>
 struct PlaceKeyframe {
+  using Scalar = S;
   TimeNs t_ns = 0;
   SE3<S> T_world_body;           ///< latest estimate; the window moves it until the frame retires
   SE3<S> T_world_body_in_graph;  ///< the estimate that its pose in the pose graph accounts for
