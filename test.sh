@@ -16,7 +16,8 @@ step "Packages"
 cmake/setup_debian.sh test
 
 step "Release build"
-quiet cmake --preset release -DPLUMBLINE_WERROR=ON -DPLUMBLINE_REQUIRE_FIRMWARE=ON -DPLUMBLINE_QUICK_TESTS=OFF
+quiet cmake --preset release -DPLUMBLINE_WERROR=ON -DPLUMBLINE_REQUIRE_FIRMWARE=ON \
+  -DPLUMBLINE_QUICK_TESTS=OFF -DPLUMBLINE_GROUP_TESTS=ON
 cmake --build --preset release
 step "Every header alone"
 cmake --build --preset release --target headers_alone
@@ -34,7 +35,7 @@ for preset in native debug; do
 done
 
 step "Build of the quick tests with sanitizers"
-quiet cmake --preset asan-ubsan -DPLUMBLINE_WERROR=ON
+quiet cmake --preset asan-ubsan -DPLUMBLINE_WERROR=ON -DPLUMBLINE_GROUP_TESTS=ON
 cmake --build --preset asan-ubsan
 step "Quick tests with sanitizers"
 run_tests asan-ubsan
