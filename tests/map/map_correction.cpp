@@ -109,7 +109,6 @@ TEST_CASE("map_correction: a keyframe that goes hands its covariance on; unknown
   MapCorrection<Places> correction;
   Places::Covariance before, after;
   correction.set(20, Places::noise(0.01), true);
-  CHECK(correction.count() == 1);
   CHECK_FALSE(correction.covariance(places, 0, before));
   REQUIRE(correction.covariance(places, 3, before));
   correction.before_removal(places, 1);
@@ -119,7 +118,6 @@ TEST_CASE("map_correction: a keyframe that goes hands its covariance on; unknown
   CHECK_FALSE(correction.covariance(places, 1, after));  // it refers to keyframe 30 now
 
   correction.set(30, Places::noise(std::numeric_limits<double>::quiet_NaN()), true);
-  CHECK(correction.count() == 2);
   CHECK_FALSE(correction.covariance(places, 3, after));
   correction.set(30, Places::noise(0.01), false);
   CHECK_FALSE(correction.covariance(places, 3, after));
@@ -135,10 +133,8 @@ TEST_CASE("map_correction: after loops a map knows the newest keyframe better th
   typename test::Laps<Residual>::Core::Covariance P;
   laps.step();
   CHECK_FALSE(laps.map->covariance_in_map(P));
-  CHECK(laps.map->corrections() == 0);
   for (int k = 0; k < 2 * test::per_lap; ++k) laps.step();
   REQUIRE(laps.map->covariance_in_map(P));
-  CHECK(laps.map->corrections() == std::uint32_t(laps.map->counts().corrections));
   const auto& graph = laps.map->places().graph();
   OdometryChain<Residual> odometry(graph.pose(0));
   for (int k = 1; k < graph.nodes(); ++k)

@@ -67,10 +67,8 @@ class KeyframeMapCore {
 
   const Places& places() const { return places_; }
   const KeyframeMapCounts& counts() const { return counts_; }
-  /// Correction of the present world.
+  /// Correction of the present world; counts().corrections tells how often it has changed.
   Sim3<S> S_map_world() const { return places_.S_map_world(); }
-  /// How often it has changed.
-  std::uint32_t corrections() const { return correction_.count(); }
   /// Covariance of the newest keyframe's pose in the map, see map_correction.hpp; false where it is not known.
   bool covariance_in_map(Covariance& out) const {
     return places_.size() > 0 && correction_.covariance(places_, places_.size() - 1, out);

@@ -19,12 +19,9 @@ class MapCorrection {
   using Residual = typename Places::Residual;
   using Covariance = typename Places::Covariance;
 
-  /// How often the correction has changed.
-  std::uint32_t count() const { return count_; }
   /// The correction has changed: it ends with keyframe `id`, whose pose in the map has the covariance P. `is_known`:
   /// false where it could not be computed.
   void set(std::uint32_t id, const Covariance& P, bool is_known) {
-    ++count_;
     id_ = id;
     P_ = P;
     is_known_ = is_known && all_finite(P);
@@ -53,7 +50,7 @@ class MapCorrection {
   }
 
  private:
-  std::uint32_t count_ = 0, id_ = 0;
+  std::uint32_t id_ = 0;
   bool is_known_ = false;
   Covariance P_ = zeros<Covariance>();
 };
