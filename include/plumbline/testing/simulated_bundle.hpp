@@ -80,8 +80,9 @@ struct SimulatedBundle {
     const double length = 0.25 * o.keyframes;
     const auto somewhere = [&] {
       const double z = 2 + 5 * noise.random().uniform();
-      return Vec<double, 3>(-0.5 * z + (length + z) * noise.random().uniform(), z * (noise.random().uniform() - 0.5),
-                            z);
+      const double x = -0.5 * z + (length + z) * noise.random().uniform();
+      const double y = z * (noise.random().uniform() - 0.5);  // after x with every compiler
+      return Vec<double, 3>(x, y, z);
     };
     for (int l = 0; l < o.lines; ++l) add_line(somewhere());
     while (int(points.size()) < o.points) add_point(somewhere());
@@ -128,7 +129,8 @@ struct SimulatedBundle {
   }
   Vec<double, 3> measured_bearing(const Vec<double, 3>& p_cam, double sigma) {
     const Vec<double, 3> b = p_cam.normalized(), x = unit_orthogonal(b);
-    return (b + sigma * (noise() * x + noise() * b.cross(x))).normalized();
+    const double along_x = noise(), along_y = noise();
+    return (b + sigma * (along_x * x + along_y * b.cross(x))).normalized();
   }
   void add_point(const Vec<double, 3>& truth) {
     points.push_back({truth, truth + options.start_point * noise.vector<3>()});
