@@ -252,3 +252,43 @@ TEST_CASE("estimator: the covariance is that of the errors, over five paths") {
   CHECK(nees_rotation > 0.42);
   CHECK(nees_rotation < 0.96);
 }
+
+TEST_CASE("estimator: a mask leaves out what stands still in the image, without heap; an empty one is none") {
+  constexpr int width = SimulatedRgbd::width, height = SimulatedRgbd::height;
+  const auto is_bonnet = [](int y) { return y >= 3 * height / 4; };
+  testing::Image<std::uint8_t> used(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) used.view()(x, y) = is_bonnet(y) ? 0 : 255;
+  }
+  const auto vio = std::make_unique<Vio>(rig()), unmasked = std::make_unique<Vio>(rig());
+  REQUIRE(vio->set_mask({used.view().data, width, height - 1, width}).error() == Error::wrong_image_size);
+  REQUIRE(*vio->set_mask(used.view()));
+  REQUIRE(*unmasked->set_mask(used.view()));
+  REQUIRE_FALSE(*unmasked->set_mask({}));
+  const auto reference = std::make_unique<Vio>(rig());
+  double worst = 0, path = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Sensors::Frame input = frame(i);
+    testing::Image<std::uint8_t> image(width, height);
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        const bool is_bright = (x / 9 + y / 9) % 2 == 0;
+        image.view()(x, y) = is_bonnet(y) ? std::uint8_t(is_bright ? 220 : 30) : input.gray(x, y);
+      }
+    }
+    Sensors::Frame covered = input;
+    covered.gray = image.view();
+    Result<Estimate<double>> estimate = Error::late_sample;
+    REQUIRE(test::allocations_of([&] { estimate = vio->add_frame(covered); }) == 0);
+    REQUIRE(estimate);
+    REQUIRE(estimate->health.state == HealthState::tracking);
+    for (const auto& landmark : vio->landmarks().get<0>().landmarks()) {
+      if (landmark.current.valid) REQUIRE(landmark.current.pixel.y() < 3 * height / 4 - 8);
+    }
+    worst = std::max(worst, error_m(*estimate, i));
+    if (i > 0) path += (room().T_world_cam[std::size_t(i)].p() - room().T_world_cam[std::size_t(i - 1)].p()).norm();
+    REQUIRE(unmasked->add_frame(input)->T_world_body.p() == reference->add_frame(input)->T_world_body.p());
+  }
+  CAPTURE(path, worst);
+  REQUIRE(worst < 0.03 * path);
+}

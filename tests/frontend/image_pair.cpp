@@ -194,3 +194,58 @@ TEST_CASE("image_pair: a picture again, and almost") {
   (void)see(copy.data(), 2);
   CHECK_FALSE(images->repeats());
 }
+
+TEST_CASE("image_pair: the rotation is that of the scene, not of what a mask excludes") {
+  using Sensors = MonoRig<double>;
+  const auto rig = rig_of<Sensors>(room().camera);
+  const auto error_rad = [&](bool with_mask) {
+    const auto images = std::make_unique<ImagePair<Sensors>>(RotationAlignmentOptions{});
+    testing::Image<std::uint8_t> used(width, height);
+    const auto is_hood = [](int y) { return y >= height / 2; };
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) used.view()(x, y) = is_hood(y) ? 0 : 255;
+    }
+    if (with_mask) REQUIRE(images->set_mask(rig, used.view()));
+    double error = 0;
+    for (int i = 0; i < 2; ++i) {
+      testing::Image<std::uint8_t> image(width, height);
+      for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+          const int bars = 128 + (x / 16 % 2 == 0 ? 100 : -100);
+          image.view()(x, y) = is_hood(y) ? std::uint8_t(bars) : room().frames[std::size_t(i)].gray.view()(x, y);
+        }
+      }
+      REQUIRE(images->take_in({room().t_ns[std::size_t(i)], image.view()}));
+      const View<Sensors> view = images->view(rig, {room().t_ns[std::size_t(i)], image.view()}, SE3<double>(), {}, 0.1);
+      const SE3<double> T_cur_prev = room().T_world_cam[1].inverse() * room().T_world_cam[0];
+      if (i == 1) {
+        const auto found = images->align_motion(view, SE3<double>(SO3<double>(), T_cur_prev.p()), 2.0, false);
+        REQUIRE(found.valid);
+        error = (found.R_cur_prev * T_cur_prev.rotation().inverse()).log().norm();
+      }
+      images->keep(view, SE3<double>());
+    }
+    return error;
+  };
+  REQUIRE(error_rad(true) < 0.02);  // a third of a pixel of the thumbnail
+  REQUIRE(error_rad(false) > 2 * error_rad(true));
+}
+
+TEST_CASE("image_pair: a mask of another size is refused, and the one before stays") {
+  using Sensors = MonoRig<float>;
+  const auto rig = rig_of<Sensors>(room().camera);
+  const auto images = std::make_unique<ImagePair<Sensors>>(RotationAlignmentOptions{});
+  const testing::Image<std::uint8_t> right(width, height), wrong(width, height - 1);
+  const Sensors::Frame frame{room().t_ns[0], room().frames[0].gray.view()};
+  const auto is_masked = [&] {
+    REQUIRE(images->take_in(frame));
+    return images->view(rig, frame, SE3<float>(), {}, 0.1f).current.mask().excludes(5, 5);
+  };
+  REQUIRE_FALSE(is_masked());
+  REQUIRE(images->set_mask(rig, right.view()));
+  REQUIRE(is_masked());
+  REQUIRE_FALSE(images->set_mask(rig, wrong.view()));
+  REQUIRE(is_masked());
+  REQUIRE(images->set_mask(rig, {}));
+  REQUIRE_FALSE(is_masked());
+}

@@ -412,3 +412,31 @@ TEST_CASE("point_flow: landmarks of one keyframe relate it to the latest frame")
   REQUIRE(pairs == life.store->seen_count());
   life.flow->for_each_pair(life.view(3), *life.store, 1, [](const auto&, const auto&) { FAIL("of another keyframe"); });
 }
+
+TEST_CASE("point_flow: none where the mask excludes, and a point that comes there is lost") {
+  constexpr int width = SimulatedRgbd::width, height = SimulatedRgbd::height;
+  Life<double, 250> life;
+  life.begin();
+  const int before = life.store->tracked_count();
+  testing::Image<std::uint8_t> used(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) used.view()(x, y) = x < width / 2 ? 255 : 0;
+  }
+  const auto mask = std::make_unique<ImageMask<width * height>>();
+  REQUIRE(mask->set(used.view()));
+  const auto check = [&] {
+    for (const auto& landmark : life.store->landmarks()) {
+      if (landmark.current.valid) REQUIRE_FALSE(mask->view().excludes(landmark.current.pixel));
+    }
+  };
+  life.current->set_mask(mask->view());
+  life.previous->set_mask(mask->view());
+  life.track(1);
+  check();
+  REQUIRE(life.store->tracked_count() > before / 4);
+  REQUIRE(life.store->tracked_count() < 3 * before / 4);
+  life.refine(1);
+  check();
+  life.insert_keyframe(1);
+  check();
+}

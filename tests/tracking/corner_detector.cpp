@@ -163,3 +163,30 @@ TEST_CASE("corner detector: images too small give nothing") {
     REQUIRE(corners.empty());
   }
 }
+
+TEST_CASE("corner detector: none where a mask excludes, all others as without it") {
+  const cv::Mat image = testing::with_noise(testing::textured_image(), 2.0, 3);
+  cv::Mat used(image.size(), CV_8U, cv::Scalar(255));
+  used.rowRange(image.rows / 2, image.rows).setTo(0);
+  const auto mask = std::make_unique<ImageMask<640 * 480>>();
+  REQUIRE(mask->set(opencv::view<std::uint8_t>(used)));
+  CornerOptions options;
+  options.cell_px = 29;  // a row of cells is cut by the mask
+  const auto masked = std::make_unique<Many>(), all = std::make_unique<Many>();
+  detect_corners(opencv::view<std::uint8_t>(image), nullptr, 0, options, *masked, mask->view());
+  detect_corners(opencv::view<std::uint8_t>(image), nullptr, 0, options, *all);
+  const auto is_in = [](const Many& corners, const Vec2f& uv) {
+    return std::any_of(corners.begin(), corners.end(), [&](const Corner& c) { return c.uv == uv; });
+  };
+  REQUIRE(masked->size() > 50);
+  float lowest = 0;
+  for (const Corner& corner : *masked) {
+    REQUIRE_FALSE(mask->view().excludes(corner.uv));
+    lowest = std::max(lowest, corner.uv.y());
+  }
+  REQUIRE(lowest > float(image.rows / 2 - ImageMask<1>::margin_px - options.cell_px));
+  for (const Corner& corner : *all) {
+    if (corner.uv.y() < float(image.rows / 2 - ImageMask<1>::margin_px - 2 * options.cell_px))
+      REQUIRE(is_in(*masked, corner.uv));
+  }
+}

@@ -57,3 +57,26 @@ TEST_CASE("edge_gradients: an image without an inside contains nothing") {
     REQUIRE(gradients.gradient(3, 3).strength() == 0);
   }
 }
+
+TEST_CASE("edge_gradients: none where a mask excludes, as in the map") {
+  const cv::Mat pixels = testing::with_noise(testing::textured_image(), 20.0, 3);
+  const ImageView<const std::uint8_t> image = opencv::view<std::uint8_t>(pixels);
+  cv::Mat used(pixels.size(), CV_8U, cv::Scalar(255));
+  used.rowRange(300, 400).setTo(0);
+  const auto mask = std::make_unique<ImageMask<640 * 480>>();
+  REQUIRE(mask->set(opencv::view<std::uint8_t>(used)));
+  const auto map = std::make_unique<Map>(), whole = std::make_unique<Map>();
+  REQUIRE(map->compute(image, 1.6f, mask->view()));
+  REQUIRE(whole->compute(image, 1.6f));
+  const EdgeGradients gradients(image, mask->view());
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const bool is_excluded = mask->view().excludes(x, y);
+      const EdgeGradient expected = is_excluded ? EdgeGradient{0, 0} : whole->gradient(x, y);
+      const int strength = is_excluded ? 0 : whole->strength(whole->index(x, y));
+      for (const EdgeGradient& g : {map->gradient(x, y), gradients.gradient(x, y)})
+        if (g.x != expected.x || g.y != expected.y) FAIL(x << ' ' << y);
+      if (map->strength(map->index(x, y)) != strength) FAIL(x << ' ' << y);
+    }
+  }
+}

@@ -82,3 +82,20 @@ TEST_CASE("orb features: coarse levels recognize a place from twice the distance
   REQUIRE(with_coarse > 10);
   REQUIRE(with_coarse > 2 * fine_only);
 }
+
+TEST_CASE("orb features: no further corner where the mask of the pyramid excludes, on any level") {
+  const auto pyramid = built(testing::textured_image());
+  cv::Mat used(480, 640, CV_8U, cv::Scalar(255));
+  used.rowRange(240, 480).setTo(0);
+  const auto mask = std::make_unique<ImageMask<640 * 480>>();
+  REQUIRE(mask->set(opencv::view<std::uint8_t>(used)));
+  pyramid->set_mask(mask->view());
+  const auto features = std::make_unique<Features>();
+  add_corner_features(*pyramid, {}, *features);
+  std::array<int, 3> of_level{};
+  for (const OrbFeature& f : *features) {
+    ++of_level[static_cast<std::size_t>(f.level)];
+    REQUIRE(f.uv.y() < 240 - ImageMask<1>::margin_px);
+  }
+  for (const int count : of_level) REQUIRE(count > 5);
+}

@@ -10,6 +10,7 @@
 /// through depends on the tracking state (tracking_state.hpp); initialization is in initialization/, frames without a
 /// pose are in outage.hpp. Same input, same output, bit for bit, with any executor (executor.hpp).
 
+#include <cstdint>
 #include <utility>
 
 #include "plumbline/backend/backend.hpp"
@@ -27,6 +28,7 @@
 #include "plumbline/estimator/outage.hpp"
 #include "plumbline/estimator/publisher.hpp"
 #include "plumbline/estimator/take_in.hpp"
+#include "plumbline/image/image_view.hpp"
 #include "plumbline/initialization/initialization.hpp"
 #include "plumbline/map/no_map.hpp"
 #include "plumbline/state/navigation.hpp"
@@ -115,6 +117,15 @@ class Estimator {
     task_.end_frame(components(), view);
     timing_.total = whole.lap();
     return latest();
+  }
+
+  /// Excludes the zero pixels of an image of the size of the frames, and those within ImageMask::margin_px of them, from
+  /// the next frame on: no feature is detected or observed there. It is copied, one bit a pixel; an empty one removes
+  /// the mask. Returns whether there is a mask now; on an error the mask is unchanged.
+  Result<bool> set_mask(const ImageView<const std::uint8_t>& mask) {
+    task_.wait();
+    if (!tracker_.images().set_mask(rig_, mask)) return Error::wrong_image_size;
+    return !mask.empty();
   }
 
   /// The next frame begins a new initialization, at the pose that is estimated then.

@@ -100,9 +100,10 @@ class CollinearSegments {
   void detect(const View<Sensors>& view, const auto& window, Store& store, int slot, const auto& before) {
     const auto& points = points_of(before);
     const ImageView<const std::uint8_t>& image = view.current.level(0);
-    if (!edges_.compute(image, options_.detector.min_gradient)) return;
+    if (!edges_.compute(image, options_.detector.min_gradient, view.current.mask())) return;
     detector_.detect(image, edges_, options_.detector, detected_);
-    if (!edges_.compute(image, options_.detector.min_gradient)) return;  // the detector may have consumed them
+    if (!edges_.compute(image, options_.detector.min_gradient, view.current.mask()))
+      return;  // the detector may have consumed them
     on_segments_.associate(points, detected_, options_.member_px);
     for (std::size_t k = 0; k < detected_.size(); ++k) {
       Members members = on_segments_.of(k, points);

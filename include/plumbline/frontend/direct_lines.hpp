@@ -75,7 +75,8 @@ class DirectLines {
         const Vec<S, 3> p_cam = T_cam_previous * p;
         const Projection<S> predicted = view.camera().project(p_cam);
         if (!predicted.valid) continue;
-        const Vec<S, 2> shift = view.shutter.seen(predicted.uv, S(1) / norm(p_cam)) - predicted.uv;
+        const Vec<S, 2> now = view.shutter.seen(predicted.uv, S(1) / norm(p_cam)), shift = now - predicted.uv;
+        if (view.current.mask().excludes(cast_to<float>(now))) continue;
         take(AlignmentSample<S>{pixel, cast_to<float>(shift), view.T_body_cam * p, weight});
       }
     }

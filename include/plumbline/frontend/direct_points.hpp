@@ -68,7 +68,8 @@ class DirectPoints {
       const Vec<S, 3> p_cam = T_cam_world * at;
       const Projection<S> predicted = view.camera().project(p_cam);
       if (!ray.valid || !predicted.valid) continue;
-      const Vec<S, 2> shift = view.shutter.seen(predicted.uv, S(1) / norm(p_cam)) - predicted.uv;
+      const Vec<S, 2> seen = view.shutter.seen(predicted.uv, S(1) / norm(p_cam)), shift = seen - predicted.uv;
+      if (view.current.mask().excludes(cast_to<float>(seen))) continue;
       take(AlignmentSample<S>{landmark.current.pixel, cast_to<float>(shift),
                               view.T_body_cam * Vec<S, 3>(range * ray.bearing), 1});
     }
@@ -174,7 +175,7 @@ class DirectPoints {
     const Projection<S> predicted = view.camera().project(p_cam);
     if (!predicted.valid) return false;
     seen = cast_to<float>(view.shutter.seen(predicted.uv, S(1) / norm(p_cam)));
-    return view.current.level(0).contains(seen.x(), seen.y(), border_px);
+    return view.current.level(0).contains(seen.x(), seen.y(), border_px) && !view.current.mask().excludes(seen);
   }
 
   /// Updates the depth filter of a landmark by the latest frame, if the parallax gives information.

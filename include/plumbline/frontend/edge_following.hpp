@@ -134,7 +134,7 @@ class EdgeFollowing {
       if (!landmark.located && landmark.current.valid && landmark.current.has_depth()) locate_in_frame(landmark, slot);
     }
     const ImageView<const std::uint8_t>& image = view.current.level(0);
-    if (!edges_.compute(image, options_.detector.min_gradient)) return;
+    if (!edges_.compute(image, options_.detector.min_gradient, view.current.mask())) return;
     detector_.detect(image, edges_, options_.detector, detected_);
     segments_.clear();
     for (const Landmark& landmark : store.landmarks()) {
@@ -186,8 +186,10 @@ class EdgeFollowing {
                    const LineTrackingOptions& tracking) {
     guess.gradient = landmark.appearance.gradient;
     const ImageView<const std::uint8_t>& image = view.current.level(0);
-    observe(view, tracker_.track(EdgeGradients(image), image, landmark.appearance.profile, guess, tracking),
-            landmark.current);
+    observe(
+        view,
+        tracker_.track(EdgeGradients(image, view.current.mask()), image, landmark.appearance.profile, guess, tracking),
+        landmark.current);
     if (landmark.current.valid) landmark.misses = 0;
   }
 

@@ -9,6 +9,7 @@
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/feature/view.hpp"
+#include "plumbline/image/image_mask.hpp"
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/sensor/rig.hpp"
 #include "plumbline/tracking/rotation_alignment.hpp"
@@ -34,7 +35,17 @@ class ImagePair {
   }
 
   /// Builds the pyramid of a new image. False when it is too small or too large.
-  bool take_in(const Frame& frame) { return pyramids_[1 - kept_].build(frame.gray); }
+  bool take_in(const Frame& frame) {
+    for (auto& pyramid : pyramids_) pyramid.set_mask(mask_.view());
+    return pyramids_[1 - kept_].build(frame.gray);
+  }
+
+  /// Excludes the zero pixels of `mask` from the next image on; none if it is empty. False if it has not the size of
+  /// the rig; the mask is then unchanged.
+  bool set_mask(const Sensors& rig, const ImageView<const std::uint8_t>& mask) {
+    const bool has_size = mask.width == rig.vision.width && mask.height == rig.vision.height;
+    return (mask.empty() || has_size) && mask_.set(mask);
+  }
 
   /// The new frame with the kept one as the previous image.
   View<Sensors> view(const Sensors& rig, const Frame& frame, const SE3<S>& T_body_cam, const Readout<S>& readout,
@@ -117,12 +128,17 @@ class ImagePair {
     return best.R_cur_prev;
   }
 
-  /// Mean absolute difference of horizontal neighbors in the coarsest level.
+  /// Mean absolute difference of horizontal neighbors in the coarsest level, without excluded pixels.
   float contrast(int k) const {
-    const auto& image = pyramids_[std::size_t(k)].level(RigPyramid<Sensors>::levels - 1);
+    constexpr int coarsest = RigPyramid<Sensors>::levels - 1;
+    const auto& image = pyramids_[std::size_t(k)].level(coarsest);
+    const MaskView mask = mask_.view();
     float sum = 0;
     for (int v = 0; v < image.height; ++v) {
-      for (int u = 1; u < image.width; ++u) sum += float(std::abs(image(u, v) - image(u - 1, v)));
+      for (int u = 1; u < image.width; ++u) {
+        if (mask.excludes(from_level(Vec<float, 2>(float(u) - 0.5f, float(v)), coarsest))) continue;
+        sum += float(std::abs(image(u, v) - image(u - 1, v)));
+      }
     }
     return image.width * image.height > 0 ? sum / float(image.width * image.height) : 0.0f;
   }
@@ -131,6 +147,7 @@ class ImagePair {
                                                   (2 * RigPyramid<Sensors>::levels);
 
   std::array<RigPyramid<Sensors>, 2> pyramids_;
+  ImageMask<decltype(Sensors::vision)::max_pixels> mask_;
   SE3<S> T_world_kept_;
   int kept_ = 0;
   RotationAlignmentOptions options_;

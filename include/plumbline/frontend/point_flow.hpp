@@ -119,7 +119,7 @@ class PointFlow {
       const Projection<S> predicted = view.camera().project(p_cam);
       if (!predicted.valid) continue;
       const Vec<S, 2> seen = view.shutter.seen(predicted.uv, S(1) / norm(p_cam));
-      if (!inside(view, seen, border_px)) continue;
+      if (!inside(view, seen, border_px) || view.current.mask().excludes(cast_to<float>(seen))) continue;
       if (!tracked) ++searches;
       const auto& point = landmark.geometry;
       const auto& [patch, slant] = landmark.appearance;
@@ -178,7 +178,8 @@ class PointFlow {
       if (landmark.current.valid) in_view_.push_back(landmark.current.pixel);
     }
     corners_.clear();
-    detect_corners(view.current.level(0), in_view_.data(), in_view_.size(), options_.corners, corners_);
+    detect_corners(view.current.level(0), in_view_.data(), in_view_.size(), options_.corners, corners_,
+                   view.current.mask());
     int missing = options_.target_count - static_cast<int>(in_view_.size());
     for (const Corner& corner : corners_) {
       if (missing <= 0) break;
@@ -237,11 +238,12 @@ class PointFlow {
     if (aligned.valid)
       landmark.current.L = whitening_of(aligned.information_per_intensity, float(options_.sigma_px), sigma_intensity);
   }
-  /// Sets the current observation at `pixel` with the sigma of optical flow and measured depth, or as not valid.
+  /// Sets the current observation at `pixel` with the sigma of optical flow and measured depth, or as not valid; that
+  /// of an excluded pixel is not one of the static scene.
   void observe(const View<Sensors>& view, Landmark& landmark, bool valid, const Vec<float, 2>& pixel) const {
     typename Kind::Observation& seen = landmark.current;
-    seen.valid = valid;
-    if (!valid) {
+    seen.valid = valid && !view.current.mask().excludes(pixel);
+    if (!seen.valid) {
       ++landmark.misses;
       return;
     }

@@ -8,7 +8,7 @@
 namespace plumbline {
 
 /// Projects the segment from p to q [m], in the camera at the middle of the frame; false when nothing of it is inside
-/// the image. It is clipped in steps of 1/16 of its length, which works for every camera model and behind the camera.
+/// the image and outside its mask. It is clipped in steps of 1/16 of its length, which works for every camera model and behind the camera.
 template <SensorRig Sensors>
 bool visible_segment(const View<Sensors>& view, const Vec<typename Sensors::Scalar, 3>& p,
                      const Vec<typename Sensors::Scalar, 3>& q, LineSegment& out) {
@@ -20,7 +20,7 @@ bool visible_segment(const View<Sensors>& view, const Vec<typename Sensors::Scal
     const Projection<S> projection = view.camera().project(at);
     if (!projection.valid) return false;
     uv = cast_to<float>(view.shutter.seen(projection.uv, S(1) / norm(at)));
-    return view.current.level(0).contains(uv.x(), uv.y(), border_px);
+    return view.current.level(0).contains(uv.x(), uv.y(), border_px) && !view.current.mask().excludes(uv);
   };
   int first = 0, last = parts;
   while (first < last && !project(first, out.start)) ++first;

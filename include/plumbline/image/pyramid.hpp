@@ -12,6 +12,7 @@
 
 #include "plumbline/core/assert.hpp"
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/image/image_mask.hpp"
 #include "plumbline/image/image_view.hpp"
 
 namespace plumbline {
@@ -65,6 +66,10 @@ class Pyramid {
 
   bool empty() const { return width_ == 0; }
 
+  /// The pixels of level 0 that show no static scene; they must outlive it.
+  void set_mask(const MaskView& mask) { mask_ = mask; }
+  const MaskView& mask() const { return mask_; }
+
  private:
   static constexpr std::size_t alignment = 32;
 
@@ -91,6 +96,7 @@ class Pyramid {
   alignas(alignment) std::array<std::uint8_t, capacity()> pixels_{};
   std::array<std::size_t, Levels> offsets_{};
   int width_ = 0, height_ = 0;  ///< of level 0 [px]
+  MaskView mask_;
 };
 
 }  // namespace plumbline

@@ -48,7 +48,7 @@ class FrameTracks {
       const FlowResult flow = track_point_checked(view.previous, view.current, pixel,
                                                   is_expected ? cast_to<float>(expected.uv) : pixel, options);
       pixel = flow.uv;
-      if (!flow.valid) tracks_.swap_remove(i);
+      if (!flow.valid || view.current.mask().excludes(pixel)) tracks_.swap_remove(i);
     }
   }
   /// Adds a point that the current image shows there, unless another one is near.

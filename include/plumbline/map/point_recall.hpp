@@ -129,7 +129,7 @@ class PointRecall {
       return;
     const AffineWarp warp = affine_warp(camera, camera, bearing, range_source, T_cam_source);
     const Alignment aligned = align_patch<8>(point.patch, warp.A_cur_ref, image, uv, options_.alignment);
-    if (!aligned.valid) return;
+    if (!aligned.valid || image.mask().excludes(aligned.uv)) return;
     const auto ray = camera.unproject(cast_to<S>(aligned.uv));
     if (!ray.valid) return;
     const float sigma_px = float(options_.sigma_px) * float(1 << aligned.level);

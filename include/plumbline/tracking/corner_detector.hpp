@@ -16,6 +16,7 @@
 #include "plumbline/core/assert.hpp"
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/image/image_mask.hpp"
 #include "plumbline/image/image_view.hpp"
 #include "plumbline/tracking/corner_score.hpp"
 #include "plumbline/tracking/fast_contrast.hpp"
@@ -36,14 +37,16 @@ struct CornerOptions {
   int border_px = 16;          ///< no corner nearer to the image's edge; at least 4
 };
 
-/// The best corner of the cell [x0, x1) x [y0, y1) among those at least `distance_px` from all `near` features: one of
-/// FAST with the high threshold, else with the low one, else any pixel. Score 0 when there is none.
+/// The best corner of the cell [x0, x1) x [y0, y1) among those at least `distance_px` from all `near` features and not
+/// excluded by the mask: one of FAST with the high threshold, else with the low one, else any pixel. Score 0 when there
+/// is none.
 template <std::size_t Near>
 Corner best_corner(const ImageView<const std::uint8_t>& image, int x0, int y0, int x1, int y1,
-                   const FixedVector<Vec<float, 2>, Near>& near, float distance_px, const CornerOptions& options) {
+                   const FixedVector<Vec<float, 2>, Near>& near, float distance_px, const CornerOptions& options,
+                   const MaskView& mask = {}) {
   const FastContrast fast(image.stride);
   const auto is_free = [&](const Vec<float, 2>& uv) {
-    return std::none_of(near.begin(), near.end(), [&](const Vec<float, 2>& other) {
+    return !mask.excludes(uv) && std::none_of(near.begin(), near.end(), [&](const Vec<float, 2>& other) {
       return squared_norm(other - uv) < distance_px * distance_px;
     });
   };
@@ -86,10 +89,10 @@ Corner best_corner(const ImageView<const std::uint8_t>& image, int x0, int y0, i
 }
 
 /// Appends to `out` new corners beside the `existing` features [px of level 0], best first; when `out` is too small the
-/// weakest are left out. Images smaller than 40 px give none.
+/// weakest are left out. None is at a pixel that the mask excludes. Images smaller than 40 px give none.
 template <std::size_t N>
 void detect_corners(ImageView<const std::uint8_t> image, const Vec<float, 2>* existing, std::size_t n_existing,
-                    const CornerOptions& options, FixedVector<Corner, N>& out) {
+                    const CornerOptions& options, FixedVector<Corner, N>& out, const MaskView& mask = {}) {
   PLUMBLINE_ASSERT(options.cell_px > 0 && options.border_px >= 4);
   constexpr int smallest = ScoreTile::size + 2 * ScoreTile::margin;
   if (image.empty() || image.width < smallest || image.height < smallest) return;
@@ -112,7 +115,7 @@ void detect_corners(ImageView<const std::uint8_t> image, const Vec<float, 2>* ex
       for (std::size_t i = 0; i < n_existing && !occupied; ++i) note(existing[i]);
       for (std::size_t i = first; i < out.size() && !occupied; ++i) note(out[i].uv);
       if (occupied) continue;
-      const Corner best = best_corner(image, x0, y0, x1, y1, near, distance_px, options);
+      const Corner best = best_corner(image, x0, y0, x1, y1, near, distance_px, options, mask);
       if (!(best.score > 0.0f)) continue;
       if (out.full()) {
         if (out.size() == first || !(best.score > out[first].score)) continue;

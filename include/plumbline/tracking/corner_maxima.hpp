@@ -30,10 +30,11 @@ struct CornerMaximaOptions {
 };
 
 /// Puts the strongest corners (2) into `out`, the strongest one first, at most `limit` and as many as it holds. None is
-/// near an `existing` point [px of this image]. Images smaller than 48 px give none.
+/// near an `existing` point [px of this image], or where is_excluded(pixel of this image). Images smaller than 48 px give none.
 template <std::size_t N>
 void detect_corner_maxima(const ImageView<const std::uint8_t>& image, std::span<const Vec<float, 2>> existing,
-                          const CornerMaximaOptions& options, std::size_t limit, FixedVector<Corner, N>& out) {
+                          const CornerMaximaOptions& options, std::size_t limit, FixedVector<Corner, N>& out,
+                          const auto& is_excluded) {
   constexpr int size = ScoreTile::size, margin = ScoreTile::margin, r = CornerMaximaOptions::radius_px;
   constexpr int step = size - 2 * r;  // of tiles: neighbors overlap by the square's radius
   PLUMBLINE_ASSERT(options.border_px >= margin + r + 1);
@@ -46,7 +47,7 @@ void detect_corner_maxima(const ImageView<const std::uint8_t>& image, std::span<
   };
   const auto stronger = [](const Corner& a, const Corner& b) { return a.score > b.score; };  // heap: weakest on top
   const auto is_free = [&](const Vec<float, 2>& uv) {
-    return std::none_of(existing.begin(), existing.end(), [&](const Vec<float, 2>& other) {
+    return !is_excluded(uv) && std::none_of(existing.begin(), existing.end(), [&](const Vec<float, 2>& other) {
       return squared_norm(other - uv) < options.distance_px * options.distance_px;
     });
   };
@@ -86,6 +87,12 @@ void detect_corner_maxima(const ImageView<const std::uint8_t>& image, std::span<
     }
   }
   std::sort(out.begin(), out.end(), stronger);
+}
+
+template <std::size_t N>
+void detect_corner_maxima(const ImageView<const std::uint8_t>& image, std::span<const Vec<float, 2>> existing,
+                          const CornerMaximaOptions& options, std::size_t limit, FixedVector<Corner, N>& out) {
+  detect_corner_maxima(image, existing, options, limit, out, [](const Vec<float, 2>&) { return false; });
 }
 
 }  // namespace plumbline

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/image/image_mask.hpp"
 #include "plumbline/image/image_view.hpp"
 #include "plumbline/tracking/edge_queries.hpp"
 
@@ -15,8 +16,9 @@ namespace plumbline {
 
 class EdgeGradients : public EdgeQueries<EdgeGradients> {
  public:
-  /// The pixels must outlive it. Contains nothing where the image is too small to have an inside.
-  explicit EdgeGradients(const ImageView<const std::uint8_t>& image) : image_(image) {
+  /// The pixels must outlive it; those that the mask excludes have no gradient. Contains nothing where the image is too small to have an inside.
+  explicit EdgeGradients(const ImageView<const std::uint8_t>& image, const MaskView& mask = {})
+      : image_(image), mask_(mask) {
     if (image.empty() || image.width <= 2 * border || image.height <= 2 * border || image.width > max_side ||
         image.height > max_side)
       return;
@@ -30,6 +32,7 @@ class EdgeGradients : public EdgeQueries<EdgeGradients> {
   }
   /// Not inlined: by itself GCC makes packets of it, a third fewer instructions.
   EIGEN_DONT_INLINE EdgeGradient gradient_inside(int x, int y) const {
+    if (mask_.excludes(x, y)) return {0, 0};
     // Eight columns instead of five, which are a packet: those beyond have no weight, and are in the image's memory
     // because there is a row below.
     constexpr int n = 8;
@@ -55,6 +58,7 @@ class EdgeGradients : public EdgeQueries<EdgeGradients> {
   static constexpr int max_side = 32000;  ///< [px], of EdgePixel
 
   ImageView<const std::uint8_t> image_;
+  MaskView mask_;
 };
 
 }  // namespace plumbline

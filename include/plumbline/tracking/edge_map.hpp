@@ -17,6 +17,7 @@
 
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/image/image_mask.hpp"
 #include "plumbline/image/image_view.hpp"
 #include "plumbline/tracking/edge_queries.hpp"
 
@@ -34,9 +35,9 @@ class EdgeMap : public EdgeQueries<EdgeMap<MaxPixels>> {
   using Queries::border;
   using Queries::units;
 
-  /// The threshold of the strength is a gradient [intensity/px]. False when the image is empty, has more than MaxPixels
+  /// The threshold of the strength is a gradient [intensity/px]; pixels that the mask excludes have none. False when the image is empty, has more than MaxPixels
   /// pixels or is too small to have an inside.
-  bool compute(const ImageView<const std::uint8_t>& image, float min_slope) {
+  bool compute(const ImageView<const std::uint8_t>& image, float min_slope, const MaskView& mask = {}) {
     const int threshold = static_cast<int>(min_slope * units);
     width_ = height_ = 0;
     if (image.empty() || image.width <= 2 * border || image.height <= 2 * border || image.width > 32000 ||
@@ -58,6 +59,9 @@ class EdgeMap : public EdgeQueries<EdgeMap<MaxPixels>> {
         for (int x = border; x < end; x += block) compute_block(image, std::min(x, end - block), y, whole, threshold);
       }
       clear(index(width_ - border, y), border);
+      for (int x = border; x < end && !mask.empty(); ++x) {
+        if (mask.excludes(x, y)) clear(index(x, y), 1);
+      }
     }
     return true;
   }

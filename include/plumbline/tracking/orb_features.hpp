@@ -52,7 +52,7 @@ std::size_t describe_points(const Pyramid<Levels, MaxPixels>& pyramid, std::span
 
 /// Appends features at corners until `out` is full or no corner is left. Of the room, level l gets twice as much as
 /// level l + 1; what a coarse level does not use is for the finer ones. On level 0 corners keep away from the features
-/// that are there.
+/// that are there. No corner is at a pixel that the mask of the pyramid excludes.
 template <int Levels, std::size_t MaxPixels, std::size_t N>
 void add_corner_features(const Pyramid<Levels, MaxPixels>& pyramid, const OrbFeatureOptions& options,
                          FixedVector<OrbFeature, N>& out) {
@@ -69,7 +69,9 @@ void add_corner_features(const Pyramid<Levels, MaxPixels>& pyramid, const OrbFea
     }
     const std::size_t parts = (std::size_t{2} << level) - 1;  // 1 for this level, 2 + 4 + ... for the finer ones
     const std::size_t room = (N - out.size()) / parts;
-    detect_corner_maxima<N>(pyramid.level(level), {existing.data(), existing.size()}, corner_options, room, corners);
+    const auto is_excluded = [&](const Vec<float, 2>& uv) { return pyramid.mask().excludes(from_level(uv, level)); };
+    detect_corner_maxima<N>(pyramid.level(level), {existing.data(), existing.size()}, corner_options, room, corners,
+                            is_excluded);
     for (const Corner& corner : corners) {
       const OrbDescription d = OrbDescriber::describe(pyramid.level(level), corner.uv);
       if (!d.valid) continue;

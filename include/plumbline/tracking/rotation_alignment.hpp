@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "plumbline/camera/camera_model.hpp"
 #include "plumbline/core/matrix.hpp"
@@ -28,7 +29,7 @@ struct RotationAlignmentOptions {
   float min_overlap = 0.4f;    ///< of the previous image's pixels seen by the current one
 };
 
-/// The 2x2 means of a pyramid's top level: level Pyr::levels, as float.
+/// The 2x2 means of a pyramid's top level: level Pyr::levels, as float; NaN where its mask excludes the middle.
 template <std::size_t MaxPixels>
 class Thumbnail {
  public:
@@ -43,7 +44,9 @@ class Thumbnail {
       const std::uint8_t* lower = top.row(2 * y + 1);
       for (int x = 0; x < width_; ++x) {
         pixels_[static_cast<std::size_t>(y * width_ + x)] =
-            0.25f * static_cast<float>(upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]);
+            pyramid.mask().excludes(to_full(Vec<float, 2>(float(x), float(y))))
+                ? std::numeric_limits<float>::quiet_NaN()
+                : 0.25f * static_cast<float>(upper[2 * x] + upper[2 * x + 1] + lower[2 * x] + lower[2 * x + 1]);
       }
     }
   }
@@ -94,6 +97,7 @@ class RotationAligner {
         // Gradient per full pixel: the thumbnail's pixel is `scale` of them wide.
         const Vec<float, 2> g = Vec<float, 2>(image(x + 1, y) - image(x - 1, y), image(x, y + 1) - image(x, y - 1)) /
                                 (2 * previous.scale());
+        if (!(std::abs(image(x, y)) + squared_norm(g) < largest)) continue;  // excluded, or beside what is
         Sample& sample = samples_[static_cast<std::size_t>(count_++)];
         sample.bearing = b;
         sample.intensity = image(x, y);
@@ -117,6 +121,7 @@ class RotationAligner {
         const Vec<float, 2> uv = current.from_full(cast_to<float>(projection.uv));
         if (!current.view().contains(uv.x(), uv.y(), 0.5f)) continue;
         const float r = interpolate_inside(current.view(), uv) - sample.intensity;
+        if (!(std::abs(r) < largest)) continue;
         const float size = std::abs(r), k = options.huber_intensity;
         const float weight = size > k ? k / size : 1.0f;
         Mat<float, 1, 4> J;
@@ -139,6 +144,8 @@ class RotationAligner {
   }
 
  private:
+  static constexpr float largest = std::numeric_limits<float>::max();  ///< NaN is not below it
+
   struct Sample {
     Vec<S, 3> bearing;
     Mat<float, 1, 3> J;
