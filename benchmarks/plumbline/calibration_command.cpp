@@ -86,6 +86,7 @@ void add_camera(const io::Calibration& calibration, Lines& out) {
                  : *camera.readout_s > 0
                      ? format("rolling, %.4g ms from the first to the last row", *camera.readout_s * 1e3)
                      : std::string("global")));
+  if (calibration.mask) out.push_back("  mask                 " + calibration.mask->string());
   if (calibration.depth_scale > 0)
     out.push_back(format("  depth                a value of %.6g is 1 m", calibration.depth_scale));
 }

@@ -84,7 +84,7 @@ nlohmann::json json_of_truth(const io::Recording& recording, const std::vector<p
 /// The texts of the files that are read beside the recording, and the options with them.
 std::string content_of(const RecordingOptions& inputs) {
   std::string text;
-  for (const auto& file : {inputs.calibration, inputs.imu_calibration})
+  for (const auto& file : {inputs.calibration, inputs.imu_calibration, inputs.mask})
     text += (file ? io::read_text(*file) : std::string()) + '\n';
   return fingerprint(text + format("%.9g %.9g", inputs.depth_scale, inputs.time_offset_s.value_or(NAN)));
 }

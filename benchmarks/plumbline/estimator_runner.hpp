@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "inspect.hpp"
+#include "mask.hpp"
 #include "plumbline/estimator/estimate.hpp"
 #include "plumbline/io/make_camera.hpp"
 #include "plumbline/opencv/mat_view.hpp"
@@ -49,8 +50,12 @@ class EstimatorRunner final : public Runner {
  public:
   using S = typename Estimator::S;
 
-  EstimatorRunner(const Sensors& sensors, MapChoice map)
-      : estimator_(std::make_unique<Estimator>(sensors, typename Estimator::Options{}, options_of(map))) {}
+  /// `mask` is empty, or of the size of the images.
+  EstimatorRunner(const Sensors& sensors, const cv::Mat& mask, MapChoice map)
+      : estimator_(std::make_unique<Estimator>(sensors, typename Estimator::Options{}, options_of(map))) {
+    if (!estimator_->set_mask(plumbline::opencv::view<std::uint8_t>(mask)))
+      throw std::runtime_error("the mask has not the size of the images");
+  }
 
   std::optional<plumbline::Error> add_imu([[maybe_unused]] const plumbline::ImuSample& sample) override {
     if constexpr (Sensors::has_imu)

@@ -195,7 +195,7 @@ int run_live(const LiveOptions& options) {
   RunPaths paths;
   paths.trajectory = options.trajectory;
   std::vector<std::filesystem::path> inputs;
-  for (const auto& file : {options.calibration, options.imu_calibration})
+  for (const auto& file : {options.calibration, options.imu_calibration, options.mask})
     if (file) inputs.push_back(*file);
   RunFiles files(paths, inputs);
 
@@ -212,6 +212,7 @@ int run_live(const LiveOptions& options) {
   if (!first) throw StreamError("has no frames");
   if (!calibration) throw StreamError(*first, "no calibration comes before it, and --calibration names none");
   if (options.depth_scale > 0) calibration->depth_scale = options.depth_scale;
+  if (options.mask) calibration->mask = options.mask;
   const std::string name = options.calibration ? options.calibration->string() : "stream: calibration";
   require_calibrated(configuration, *calibration, name);
   print_notes(calibration->notes);

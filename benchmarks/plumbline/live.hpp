@@ -10,6 +10,7 @@
 struct LiveOptions {
   std::string config;
   std::optional<std::filesystem::path> calibration, imu_calibration;  ///< instead of those of the stream
+  std::optional<std::filesystem::path> mask;                          ///< gray image, zero: not the scene
   double depth_scale = 0;                                             ///< instead of the calibration's; 0: as it is
   std::string address;          ///< port or path; empty: standard input and output
   std::string format = "json";  ///< of estimates: json or binary

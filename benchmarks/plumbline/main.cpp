@@ -153,6 +153,8 @@ void add_inputs(CLI::App& command, RecordingOptions& options) {
       .add_option("--time-offset", options.time_offset_s,
                   "IMU time = time stamp of an image + this [s], instead of the calibration's")
       ->check(number_from(-3600, 3600, "s"));
+  command.add_option("--mask", options.mask,
+                     "Gray image of the size of the images, zero where they do not show the scene (a bonnet, legs)");
   add_topics(command, options.topics);
 }
 
@@ -163,7 +165,8 @@ void add_run(CLI::App& app, RunOptions& options) {
   command->footer(
       "Examples:\n"
       "  plumbline run MH_01_easy --trajectory out.tum\n"
-      "  plumbline run my_recording --config mono-imu/points/window --calibration camchain.yaml --debug pictures");
+      "  plumbline run my_recording --config mono-imu/points/window --calibration camchain.yaml --debug pictures\n"
+      "  plumbline run my_drive --calibration camchain.yaml --mask bonnet.png");
   command
       ->add_option("dataset,--dataset", options.dataset, "Folder of the recording (EuRoC, TUM RGB-D, KITTI), or a bag")
       ->required();
@@ -212,6 +215,8 @@ void add_live(CLI::App& app, LiveOptions& options) {
   command->add_option("--config", options.config, "Configuration, one of `plumbline list`")->required();
   command->add_option("--calibration", options.calibration, "Calibration instead of the stream's");
   command->add_option("--imu-calibration", options.imu_calibration, "Noise of the IMU, beside --calibration");
+  command->add_option("--mask", options.mask,
+                      "Gray image of the size of the images, zero where they do not show the scene (a bonnet, legs)");
   command->add_option("--depth-scale", options.depth_scale, "Raw depth units per meter, instead of the calibration's")
       ->check(number_from(1, 1e6, "units per meter"));
   command->add_option("--listen", options.address,

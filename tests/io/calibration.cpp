@@ -160,6 +160,16 @@ TEST_CASE("calibration: a stated readout time, and none") {
   require_error(stated("line_delay: 1.0e-3"), 14, "cam0.line_delay must be from 0 to 0.2 seconds for all rows");
 }
 
+TEST_CASE("calibration: the mask of the plain format is found from its file's folder") {
+  const TemporaryDirectory directory;
+  REQUIRE(!read(plain).mask);
+  const auto of = [&](const std::string& mask) {
+    return *read_calibration(directory.write("calibration.yaml", replaced(plain, "rate_hz: 30", "mask: " + mask))).mask;
+  };
+  REQUIRE(of("masks/bonnet.png") == directory.path() / "masks/bonnet.png");
+  REQUIRE(of("/elsewhere/bonnet.png") == "/elsewhere/bonnet.png");
+}
+
 TEST_CASE("calibration: EuRoC, T_BS is the camera in the body") {
   const Calibration c = read(euroc);
   REQUIRE((c.camera.distortion == "radtan" && c.camera.distortion_coefficients.size() == 4));

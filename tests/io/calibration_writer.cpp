@@ -106,3 +106,12 @@ TEST_CASE("calibration_writer: what Kalibr cannot state") {
   calibration.imu.reset();
   REQUIRE(write_kalibr(calibration).lost.size() == 3);
 }
+
+TEST_CASE("calibration_writer: the mask, whatever its name") {
+  Calibration calibration = calibration_of(models[1]);
+  calibration.mask = "/data/it's: a #mask.png";
+  const TemporaryDirectory directory;
+  REQUIRE(*read_calibration(directory.write("plain.yaml", write_plain(calibration).text)).mask == *calibration.mask);
+  const std::vector<std::string> lost = write_kalibr(calibration).lost;
+  REQUIRE(lost.back() == "the mask (give it with --mask /data/it's: a #mask.png)");
+}

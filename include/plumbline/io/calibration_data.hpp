@@ -1,6 +1,7 @@
 #pragma once
 /// What is known of a camera and an IMU before the first frame.                 docs/guide/your_recording.md
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,7 +31,9 @@ struct Calibration {
   ImuBufferOptions imu_limits;      ///< full scales, where stated
   double depth_scale = 0;           ///< raw depth units per meter; 0: no depth
   double camera_time_offset_s = 0;  ///< t_imu = t_image + offset
-  std::vector<std::string> notes;   ///< one line each: what the file states and is not used, what was taken for what
+  /// Gray image of the size of the camera's; where it is zero the images do not show the scene.
+  std::optional<std::filesystem::path> mask;
+  std::vector<std::string> notes;  ///< one line each: what the file states and is not used, what was taken for what
 };
 
 }  // namespace plumbline::io

@@ -32,7 +32,7 @@ inline Calibration read_plain(const YamlMap& root) {
   root.allow_only({"camera", "depth", "T_body_camera", "imu"});
   const YamlMap map = root.map("camera");
   map.allow_only({"model", "intrinsics", "distortion", "distortion_coefficients", "resolution", "rate_hz",
-                  "time_offset_s", "readout_s"});
+                  "time_offset_s", "readout_s", "mask"});
   Calibration out;
   CameraCalibration& camera = out.camera;
   camera.model = map.text("model");
@@ -48,6 +48,7 @@ inline Calibration read_plain(const YamlMap& root) {
   check_distortion(camera, map, map.has("distortion_coefficients") ? "distortion_coefficients" : "model");
   if (map.has("time_offset_s")) out.camera_time_offset_s = map.number("time_offset_s", time_offset_range);
   set_readout(camera, map);
+  if (map.has("mask")) out.mask = root.file().parent_path() / map.text("mask");
   if (root.has("depth")) {
     const YamlMap depth = root.map("depth");
     depth.allow_only({"scale"});

@@ -71,6 +71,13 @@ inline std::string noise_of(const Calibration& calibration, const char* rate_key
   return out;
 }
 
+/// In single quotes, as YAML has them.
+inline std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? "''" : std::string(1, c);
+  return out + "'";
+}
+
 }  // namespace detail
 
 /// calibration.yaml of plumbline, which has a key for everything.
@@ -86,6 +93,8 @@ inline WrittenCalibration write_plain(const Calibration& calibration) {
   if (camera.readout_s) out += "  readout_s: " + detail::exact(*camera.readout_s) + "\n";
   if (calibration.camera_time_offset_s != 0)
     out += "  time_offset_s: " + detail::exact(calibration.camera_time_offset_s) + "\n";
+  if (calibration.mask)
+    out += "  mask: " + detail::quoted(std::filesystem::absolute(*calibration.mask).string()) + "\n";
   if (calibration.depth_scale > 0) out += "depth:\n  scale: " + detail::exact(calibration.depth_scale) + "\n";
   if (calibration.T_body_camera)
     out += "T_body_camera:  # camera coordinates into those of the body (= IMU)\n  [\n" +
@@ -126,6 +135,7 @@ inline WrittenCalibration write_kalibr(const Calibration& calibration) {
   if (camera.rate_hz > 0) out.lost.emplace_back("the rate of the images");
   if (calibration.depth_scale > 0)
     out.lost.push_back("the depth scale (give it with --depth-scale " + detail::exact(calibration.depth_scale) + ")");
+  if (calibration.mask) out.lost.push_back("the mask (give it with --mask " + calibration.mask->string() + ")");
   if (calibration.imu) out.text += "imu0:\n" + detail::noise_of(calibration, "update_rate");
   return out;
 }

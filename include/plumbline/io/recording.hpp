@@ -41,6 +41,7 @@ class Recording {
     std::optional<std::filesystem::path> imu_calibration = {};  ///< noise of the IMU, instead of any other file
     double depth_scale = 0;                                     ///< instead of the calibration's; 0: as it is
     std::optional<double> time_offset_s = {};                   ///< instead of the calibration's
+    std::optional<std::filesystem::path> mask = {};             ///< instead of the calibration's
   };
   using Sample = std::variant<ImuSample, FrameSample>;
 
@@ -111,6 +112,7 @@ inline void Recording::read_calibrations(const std::optional<Calibration>& own, 
     throw ReadError(file, 0, "no such file: the recording has no calibration of its own, name one");
   calibration_ = is_own ? *own : read_calibration(file);
   if (options.depth_scale > 0) calibration_.depth_scale = options.depth_scale;
+  if (options.mask) calibration_.mask = options.mask;
   if (options.time_offset_s) calibration_.camera_time_offset_s = *options.time_offset_s;
 
   if (options.imu_calibration) {
@@ -190,7 +192,7 @@ inline Recording Recording::open(RecordingFiles read, const std::optional<Calibr
 inline std::vector<std::filesystem::path> Recording::inputs() const {
   std::vector<std::filesystem::path> out{files_.frame_index, files_.calibration};
   for (const auto& file : {files_.depth_index, files_.imu_index, files_.accel_index, files_.imu_calibration,
-                           files_.body_truth, files_.camera_truth})
+                           files_.body_truth, files_.camera_truth, calibration_.mask})
     if (file) out.push_back(*file);
   if (!files_.bag.empty()) {
     out.insert(out.end(), files_.bag.begin(), files_.bag.end());
