@@ -119,9 +119,9 @@ class Estimator {
     return latest();
   }
 
-  /// Excludes the zero pixels of an image of the size of the frames, and those within ImageMask::margin_px of them, from
-  /// the next frame on: no feature is detected or observed there. It is copied, one bit a pixel; an empty one removes
-  /// the mask. Returns whether there is a mask now; on an error the mask is unchanged.
+  /// Excludes the zero pixels of an image of the size of the frames, and those within ImageMask::margin_px of them,
+  /// from the next frame on: no feature is detected or observed there. It is copied, one bit a pixel; an empty one
+  /// removes the mask. Returns whether there is a mask now; on an error the mask is unchanged.
   Result<bool> set_mask(const ImageView<const std::uint8_t>& mask) {
     task_.wait();
     if (!tracker_.images().set_mask(rig_, mask)) return Error::wrong_image_size;

@@ -8,7 +8,8 @@
 namespace plumbline {
 
 /// Projects the segment from p to q [m], in the camera at the middle of the frame; false when nothing of it is inside
-/// the image and outside its mask. It is clipped in steps of 1/16 of its length, which works for every camera model and behind the camera.
+/// the image and outside its mask. It is clipped in steps of 1/16 of its length, which works for every camera model and
+/// behind the camera.
 template <SensorRig Sensors>
 bool visible_segment(const View<Sensors>& view, const Vec<typename Sensors::Scalar, 3>& p,
                      const Vec<typename Sensors::Scalar, 3>& q, LineSegment& out) {

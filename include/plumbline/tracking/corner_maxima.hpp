@@ -30,7 +30,8 @@ struct CornerMaximaOptions {
 };
 
 /// Puts the strongest corners (2) into `out`, the strongest one first, at most `limit` and as many as it holds. None is
-/// near an `existing` point [px of this image], or where is_excluded(pixel of this image). Images smaller than 48 px give none.
+/// near an `existing` point [px of this image], or where is_excluded(pixel of this image). Images smaller than 48 px
+/// give none.
 template <std::size_t N>
 void detect_corner_maxima(const ImageView<const std::uint8_t>& image, std::span<const Vec<float, 2>> existing,
                           const CornerMaximaOptions& options, std::size_t limit, FixedVector<Corner, N>& out,

@@ -16,7 +16,8 @@ namespace plumbline {
 
 class EdgeGradients : public EdgeQueries<EdgeGradients> {
  public:
-  /// The pixels must outlive it; those that the mask excludes have no gradient. Contains nothing where the image is too small to have an inside.
+  /// The pixels must outlive it; those that the mask excludes have no gradient. Contains nothing where the image is too
+  /// small to have an inside.
   explicit EdgeGradients(const ImageView<const std::uint8_t>& image, const MaskView& mask = {})
       : image_(image), mask_(mask) {
     if (image.empty() || image.width <= 2 * border || image.height <= 2 * border || image.width > max_side ||

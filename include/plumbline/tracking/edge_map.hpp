@@ -35,8 +35,8 @@ class EdgeMap : public EdgeQueries<EdgeMap<MaxPixels>> {
   using Queries::border;
   using Queries::units;
 
-  /// The threshold of the strength is a gradient [intensity/px]; pixels that the mask excludes have none. False when the image is empty, has more than MaxPixels
-  /// pixels or is too small to have an inside.
+  /// The threshold of the strength is a gradient [intensity/px]; pixels that the mask excludes have none. False when
+  /// the image is empty, has more than MaxPixels pixels or is too small to have an inside.
   bool compute(const ImageView<const std::uint8_t>& image, float min_slope, const MaskView& mask = {}) {
     const int threshold = static_cast<int>(min_slope * units);
     width_ = height_ = 0;
