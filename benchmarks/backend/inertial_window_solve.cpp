@@ -77,7 +77,7 @@ struct Window {
       if (k > 0) error.head<9>() << 0.017 * noise.vector<3>(), 0.02 * noise.vector<3>(), 0.05 * noise.vector<3>();
       starts.push_back(plus(x, error).template cast<S>());
       int slot = k == 0 ? backend.start(0, {starts[0].T_world_body}) : 0;
-      if (k > 0) slot = backend.insert(k, starts.back(), {k - 1, increment(motion, k, noise)});
+      if (k > 0) slot = backend.insert(k, starts.back(), {k - 1, samples(motion, k, noise)});
       scene.observe(landmarks.template get<0>(), x.T_world_body, slot, noise);
       observe(landmarks.template get<1>(), ends, x.T_world_body, slot, noise);
     }
@@ -104,9 +104,9 @@ struct Window {
   }
 
   /// The IMU samples before keyframe k, at 200 Hz.
-  static Preintegration<S> increment(const Motion& motion, int k, testing::Gaussian& noise) {
+  static ImuIntervals<S> samples(const Motion& motion, int k, testing::Gaussian& noise) {
     const ImuNoise spread;
-    Preintegration<S> out(spread);
+    ImuIntervals<S> out;
     const double root = std::sqrt(spread.rate_hz), dt = 1 / spread.rate_hz;
     const auto gyro = [&] { return Vec<double, 3>(motion.w + spread.gyro_density * root * noise.vector<3>()); };
     const auto accel = [&](double t) {
@@ -315,8 +315,8 @@ struct CeresWindow : CeresProblem {
     problem.AddResidualBlock(new FirstStateCost(window->state(0)), nullptr, poses[0].data(), motions[0].data());
     for (int k = 1; k < keyframes; ++k) {
       const std::size_t i = std::size_t(window->backend.factors().previous(k)), j = std::size_t(k);
-      problem.AddResidualBlock(new InertialCost(window->backend.factors().increment(k).increment()), nullptr,
-                               poses[i].data(), motions[i].data(), poses[j].data(), motions[j].data());
+      problem.AddResidualBlock(new InertialCost(window->backend.factors().increment(k)), nullptr, poses[i].data(),
+                               motions[i].data(), poses[j].data(), motions[j].data());
     }
     for (std::size_t i = 0; i < lambdas.size(); ++i) {
       add_point(*this, window->rig.vision.camera, window->point_landmarks()[i], poses, &lambdas[i]);

@@ -121,7 +121,7 @@ class BackendRun {
     if (temporary_slot_ >= 0) backend_->drop(*landmarks_, temporary_slot_);
     temporary_slot_ = -1;
     const bool keyframe = ++frames_ % options_.frames_per_keyframe == 0;
-    const int slot = backend_->insert(t_ns_, x, {keyframe_slot_, since_keyframe_, false, false, keyframe_cut_, cut()});
+    const int slot = backend_->insert(t_ns_, x, factor());
     observe(slot, keyframe);
     if (frames_ % (options_.keyframes_per_position * options_.frames_per_keyframe) == 0) measure_position(slot);
     backend_->optimize(rig_, T_body_cam(), *landmarks_, keyframe);
@@ -150,8 +150,7 @@ class BackendRun {
     if (temporary_slot_ >= 0) backend_->drop(*landmarks_, temporary_slot_);
     temporary_slot_ = -1;
     landmarks_->for_each([](auto& store) { store.clear(); });
-    const int slot =
-        backend_->insert(t_ns_, state_, {keyframe_slot_, since_keyframe_, false, false, keyframe_cut_, cut()});
+    const int slot = backend_->insert(t_ns_, state_, factor());
     observe(slot, true);
     adopt_keyframe(slot);
     if (!backend_->window().full()) return;
@@ -245,6 +244,9 @@ class BackendRun {
   /// When the image was taken: its time stamp lacks the time offset, without which the IMU samples are cut.
   SE3<double> T_world_body() const { return trajectory_.at(measured_.t + time_offset_s_).T_world_body; }
   SE3<double> T_world_cam() const { return T_world_body() * testing::simulated_T_body_camera(); }
+  ImuFactor<S> factor() const {
+    return {keyframe_slot_, since_keyframe_, quality(options_.noise).noise, false, false, keyframe_cut_, cut()};
+  }
   SampleBoundary<S> cut() const { return {0, measured_.gyro.template cast<S>()}; }
   /// The extrinsics as a calibration has them.
   SE3<double> calibrated(std::uint64_t seed) const {
@@ -267,7 +269,7 @@ class BackendRun {
       since_frame_.add(interval.template cast<S>());
       measured_ = next;
     }
-    since_keyframe_.append(since_frame_);
+    since_keyframe_.append(since_frame_.intervals());
     t_ns_ = TimeNs(measured_.t * 1e9);
   }
 
@@ -286,7 +288,7 @@ class BackendRun {
   void adopt_keyframe(int slot) {
     keyframe_slot_ = slot;
     keyframe_cut_ = cut();
-    since_keyframe_ = Preintegration<S>(quality(options_.noise).noise, state_.bias_gyro, state_.bias_accel);
+    since_keyframe_ = {};
   }
 
   /// The first keyframes as vision alone would have put them, and the inertial window over them.
@@ -310,9 +312,7 @@ class BackendRun {
         T = plus(T_start_ * SE3<double>(T_first_body.rotation(), scale * T_first_body.p()), off);
       }
       state_.T_world_body = T.template cast<S>();
-      const int slot = k == 0 ? backend_->start(t_ns_, state_)
-                              : backend_->insert(t_ns_, state_,
-                                                 {keyframe_slot_, since_keyframe_, false, false, keyframe_cut_, cut()});
+      const int slot = k == 0 ? backend_->start(t_ns_, state_) : backend_->insert(t_ns_, state_, factor());
       states[std::size_t(slot)] = state_;
       observe(slot, true);
       locate();
@@ -328,7 +328,7 @@ class BackendRun {
       solve(length);
     }
     state_ = backend_->window()[keyframe_slot_].state.value();
-    since_keyframe_ = Preintegration<S>(quality(options_.noise).noise, state_.bias_gyro, state_.bias_accel);
+    since_keyframe_ = {};
   }
 
   /// As estimator/initialization.hpp does.
@@ -459,7 +459,8 @@ class BackendRun {
   TimeNs t_ns_ = 0;
   SE3<double> T_start_;  ///< initial estimate of the first keyframe
   NavState<S> state_;    ///< of the latest frame
-  Preintegration<S> since_frame_, since_keyframe_;
+  Preintegration<S> since_frame_;
+  ImuIntervals<S> since_keyframe_;
   int keyframe_slot_ = 0, temporary_slot_ = -1, frames_ = 0, retirements_ = 0, positions_ = 0;
 };
 

@@ -83,7 +83,7 @@ class BarePropagation : Pinned {
     return inner.confirm_keyframe(t_ns, motion_px, needed);
   }
   Factor factor(int slot) const { return inner.factor(slot); }
-  void begin_factor(const State& x) { inner.begin_factor(x); }
+  void begin_factor() { inner.begin_factor(); }
 
  protected:
   Inner inner;

@@ -10,6 +10,8 @@ set(facts
   "[^a-zA-Z_]next_state\\(=state/tracking_state.hpp"                       # transitions: one table
   "WorldFrameUncertainty<=state/world_frame_uncertainty.hpp|state/navigation.hpp|estimator/estimator.hpp"
   "\\.set_T_body_cam\\(|\\.set_time_offset\\(=propagation/camera_imu_calibration.hpp"  # what is in force of the calibration
+  "Preintegration<S> [a-z_]+_[^a-z(]=propagation/imu_integrator.hpp"              # the samples of a frame: integrated once,
+  "[^a-z_]integrated\\(=imu/preintegration.hpp|propagation/imu_factors.hpp"  # and those of a factor about its biases
   "\\.correct_readout\\(=estimator/shutter_motion.hpp"
   # functions that differ from C library to C library; maps are not part of a reproducible build
   "std::(acos|asin|atan|atan2|cbrt|cos|exp|hypot|log|log1p|pow|sin|tan)[(,]=core/elementary.hpp|map/[a-z_]+.hpp"

@@ -55,7 +55,7 @@ TEST_CASE("imu_checks: a wrong accelerometer is found, and the samples since the
   const InertialOptions options;
   Checks checks(options);
   test::SteadySamples<double> samples;
-  KeyframeIncrement<double> since_keyframe(samples.imu.since(samples.state));
+  SamplesSinceKeyframe<double> since_keyframe;
   // The IMU predicts rest; after four seconds its images show a body that accelerates by 3 m/s^2.
   double t = 0, v = 0, x = 0;
   for (int k = 0; k < 100 && !checks.is_accel_suspect(); ++k) {
@@ -82,7 +82,7 @@ TEST_CASE("imu_checks: at rest the accelerometer is not checked") {
   const InertialOptions options;
   Checks checks(options);
   test::SteadySamples<double> samples;
-  KeyframeIncrement<double> since_keyframe(samples.imu.since(samples.state));
+  SamplesSinceKeyframe<double> since_keyframe;
   double t = 0, x = 0;
   for (int k = 0; k < 100; ++k, t += 0.1) {
     samples.advance(0.1);

@@ -40,6 +40,7 @@ struct Chain {
   std::unique_ptr<ImuFactors<S, slots>> factors = std::make_unique<ImuFactors<S, slots>>(options);
   Window<S> window;
   std::vector<int> slot;
+  std::vector<ImuFactor<S>> given;
 
   explicit Chain(std::uint64_t seed, double error = 0, bool is_stationary = false, double bias_error = 0) {
     testing::Gaussian noise(seed + 1000);
@@ -48,13 +49,15 @@ struct Chain {
       ImuFactor<S> factor;
       if (k > 0) {
         const Preintegration<double> increment = samples<double>(seed, k, x);
-        factor = {slot.back(), samples<S>(seed, k, x), is_stationary};
+        const Preintegration<S> cast = samples<S>(seed, k, x);
+        factor = {slot.back(), cast.intervals(), cast.noise(), is_stationary};
         Vec<double, dim> off = error * noise.vector<dim>();
         off.tail<6>() *= bias_error;
         x = plus(increment.increment().predict(x, gravity_in_world<double>()), off);
       }
       slot.push_back(window.insert(k, x.cast<S>()));
       factors->insert(slot.back(), x.cast<S>(), factor);
+      given.push_back(factor);
     }
     factors->activate();
   }
@@ -226,8 +229,9 @@ TEMPLATE_TEST_CASE("imu_factors: a bias jump inflates the covariance of the fact
   using S = TestType;
   for (const bool jumped : {false, true}) {
     Chain<S> chain(4);
-    const int i = chain.slot[1], j = chain.slot[2];
-    ImuFactor<S> factor{i, chain.factors->increment(j), false, jumped};
+    const int j = chain.slot[2];
+    ImuFactor<S> factor = chain.given[2];
+    factor.jumped = jumped;
     chain.factors->insert(j, chain.window[j].state.value(), factor);
     const double before = chain.factors->cost(chain.window);
     Vec<S, dim> d = Vec<S, dim>::Zero();
@@ -245,9 +249,10 @@ TEMPLATE_TEST_CASE("imu_factors: a suspect accelerometer inflates the previous f
   using S = TestType;
   for (const bool suspect : {false, true}) {
     Chain<S> chain(5);
-    const int i = chain.slot[1], j = chain.slot[2];
-    chain.factors->insert(j, chain.window[j].state.value(),
-                          {.previous = i, .increment = chain.factors->increment(j), .is_accel_suspect = suspect});
+    const int j = chain.slot[2];
+    ImuFactor<S> factor = chain.given[2];
+    factor.is_accel_suspect = suspect;
+    chain.factors->insert(j, chain.window[j].state.value(), factor);
     const double before = chain.factors->cost(chain.window);
     Vec<S, dim> d = Vec<S, dim>::Zero();
     d[6] = S(0.5);  // the velocity of the first frame
@@ -295,7 +300,7 @@ TEMPLATE_TEST_CASE("imu_factors: the inconsistency is in units of the sample noi
   const double base = double(chain.factors->disagreement(chain.window));
   CHECK(base < 0.05);
   Vec<S, dim> d = Vec<S, dim>::Zero();
-  const Mat<S, dim, dim> L = *chain.factors->increment(last).increment().square_root_information();
+  const Mat<S, dim, dim> L = *chain.factors->increment(last).square_root_information();
   const Vec<S, 3> off(S(0.02), S(-0.01), S(0.03));  // of the velocity
   const Mat<S, 3, 3> R = chain.window[chain.slot[1]].state.value().T_world_body.R();
   constexpr int at_v = InertialLayout::offset<state::Velocity>;
@@ -332,23 +337,23 @@ TEMPLATE_TEST_CASE("imu_factors: samples are integrated again where the biases h
   using S = TestType;
   Chain<S> chain(14);
   const int first = chain.slot[0], second = chain.slot[1], third = chain.slot[2];
-  const Vec<S, 3> before = chain.factors->increment(second).increment().bias_gyro;
+  const Vec<S, 3> before = chain.factors->increment(second).bias_gyro;
   Vec<S, dim> d = Vec<S, dim>::Zero();
   d[InertialLayout::offset<state::GyroBias>] = S(1e-4);  // near
   chain.window.state(first).add(d);
   chain.factors->reintegrate(chain.window);
-  CHECK(chain.factors->increment(second).increment().bias_gyro == before);
+  CHECK(chain.factors->increment(second).bias_gyro == before);
   d[InertialLayout::offset<state::GyroBias>] = S(0.2);
   chain.window.state(first).add(d);
   chain.factors->reintegrate(chain.window);
-  CHECK(chain.factors->increment(second).increment().bias_gyro == chain.window[first].state.value().bias_gyro);
-  CHECK(chain.factors->increment(third).increment().bias_gyro == chain.window[second].state.value().bias_gyro);
-  CHECK(chain.factors->increment(second).increment().bias_gyro != before);
+  CHECK(chain.factors->increment(second).bias_gyro == chain.window[first].state.value().bias_gyro);
+  CHECK(chain.factors->increment(third).bias_gyro == chain.window[second].state.value().bias_gyro);
+  CHECK(chain.factors->increment(second).bias_gyro != before);
 }
 
 TEST_CASE("imu_factors: an increment without samples has no weight and no row") {
   Chain<double> chain(15);
-  chain.factors->insert(chain.slot[2], chain.window[chain.slot[2]].state.value(), {chain.slot[1], {}, false});
+  chain.factors->insert(chain.slot[2], chain.window[chain.slot[2]].state.value(), {.previous = chain.slot[1]});
   CHECK(rows_of(chain).size() == 1);
   CHECK(std::isfinite(chain.factors->cost(chain.window)));
   CHECK(std::isfinite(chain.factors->disagreement(chain.window)));
@@ -359,7 +364,7 @@ namespace {
 /// As `Chain`, each frame cut by another time offset; the window has that of the last one, and `d` more.
 template <class S>
 struct ShiftedChain : Chain<S> {
-  using Chain<S>::factors, Chain<S>::window, Chain<S>::slot;
+  using Chain<S>::factors, Chain<S>::window, Chain<S>::slot, Chain<S>::given;
   static constexpr double cuts_s[] = {-0.02, 0.015, 0.03};
 
   explicit ShiftedChain(std::uint64_t seed, double error = 0.05) : Chain<S>(seed, error, false, 1) {
@@ -367,7 +372,9 @@ struct ShiftedChain : Chain<S> {
     std::array<SampleBoundary<S>, 3> cuts;
     for (std::size_t k = 0; k < 3; ++k) cuts[k] = {cuts_s[k], noise.vector<3>().template cast<S>()};
     for (std::size_t k = 1; k < 3; ++k) {
-      ImuFactor<S> factor{slot[k - 1], factors->increment(slot[k]), false, false, cuts[k - 1], cuts[k]};
+      ImuFactor<S> factor = given[k];
+      factor.begin = cuts[k - 1];
+      factor.end = cuts[k];
       factors->insert(slot[k], window[slot[k]].state.value(), factor);
     }
     window.estimate_time_offset(cuts_s[2]);

@@ -218,7 +218,7 @@ TEMPLATE_TEST_CASE("inertial: where samples are missing rotation and velocity ar
   Drive<S> drive;
   drive.propagation->set_initialized();
   drive.go_on(2);
-  drive.propagation->begin_factor(drive.latest);
+  drive.propagation->begin_factor();
   drive.go_on(1);
   NavState<S> untouched = drive.latest;
   CHECK_FALSE(drive.propagation->correct(drive.latest, untouched, S(frame_s)));
@@ -251,7 +251,7 @@ TEMPLATE_TEST_CASE("inertial: where samples are missing rotation and velocity ar
   }
   drive.go_on(1);
   CHECK(drive.confirm_keyframe(50, false));  // they are: the next factor begins at a known velocity
-  drive.propagation->begin_factor(drive.latest);
+  drive.propagation->begin_factor();
   CHECK_FALSE(drive.confirm_keyframe(50, false));
   CHECK(drive.confirm_keyframe(50, true));
 }
@@ -277,20 +277,21 @@ TEMPLATE_TEST_CASE("inertial: a factor has all samples since its keyframe", "", 
   Drive<S> drive;
   drive.propagation->set_initialized();
   drive.go_on(2);
-  drive.propagation->begin_factor(drive.latest);
+  drive.propagation->begin_factor();
   const NavState<S> keyframe = drive.latest;
-  CHECK(drive.propagation->factor(3).increment.empty());
+  CHECK(drive.propagation->factor(3).samples.empty());
   drive.go_on(5);
   const ImuFactor<S> factor = drive.propagation->factor(3);
   CHECK(factor.previous == 3);
   CHECK_FALSE(factor.is_stationary);
-  CHECK(double(factor.increment.increment().duration) == Approx(5 * frame_s));
-  const NavState<S> there = factor.increment.increment().predict(keyframe, gravity_in_world<S>());
+  CHECK(double(factor.samples.duration()) == Approx(5 * frame_s));
+  const NavState<S> there = integrated(factor.samples, factor.noise, keyframe.bias_gyro, keyframe.bias_accel)
+                                .predict(keyframe, gravity_in_world<S>());
   CHECK(drive.error(there) < 10 * Drive<S>::tolerance);
   // Densities are those of the calibration, inflated.
   const InertialOptions options;
-  CHECK(factor.increment.noise().gyro_density == Approx(options.gyro_inflation * ImuNoise{}.gyro_density));
-  CHECK(factor.increment.noise().accel_walk == Approx(options.walk_inflation * ImuNoise{}.accel_walk));
+  CHECK(factor.noise.gyro_density == Approx(options.gyro_inflation * ImuNoise{}.gyro_density));
+  CHECK(factor.noise.accel_walk == Approx(options.walk_inflation * ImuNoise{}.accel_walk));
 }
 
 TEST_CASE("inertial: the error of an accelerometer beside its noise does not grow with the noise") {
@@ -320,7 +321,7 @@ TEMPLATE_TEST_CASE("inertial: a gyroscope whose bias jumps, against the images",
   };
   for (int k = 0; k < 20; ++k) REQUIRE(!go_on(0.1, S(1e-4)));                             // uncertain image rotations
   for (int k = 0; k < 40; ++k) REQUIRE(!go_on(0.2 * options.gyro_check.max_rate_error));  // no more than any bias does
-  drive.propagation->begin_factor(keyframe);
+  drive.propagation->begin_factor();
   const auto excludes = [&](double sigmas) {
     const auto predicted = drive.predict();
     Vec<S, 6> d = Vec<S, 6>::Zero();
@@ -336,7 +337,7 @@ TEMPLATE_TEST_CASE("inertial: a gyroscope whose bias jumps, against the images",
 
   // It is detected once, in a factor that ends as soon as it can; the new bias applies from now on.
   CHECK(drive.confirm_keyframe(100, false));
-  drive.propagation->begin_factor(drive.latest);
+  drive.propagation->begin_factor();
   CHECK_FALSE(drive.propagation->factor(0).jumped);
   CHECK(excludes(1.1 * options.innovation_gate_after_jump));
   frames = 1;
@@ -367,8 +368,9 @@ TEMPLATE_TEST_CASE("inertial: an accelerometer inconsistent with the images is n
   for (int k = 0; k < 20; ++k) go_on(4);
   const ImuFactor<S> factor = drive.propagation->factor(0);
   CHECK(factor.is_accel_suspect);
-  const double sigma = std::sqrt(double(factor.increment.increment().covariance(6, 6)));
-  const double open = InertialOptions().suspect_accel_sigma * std::sqrt(double(factor.increment.increment().duration));
+  const ImuIncrement<S> increment = integrated(factor.samples, factor.noise, zeros<S, 3>(), zeros<S, 3>());
+  const double sigma = std::sqrt(double(increment.covariance(6, 6)));
+  const double open = InertialOptions().suspect_accel_sigma * std::sqrt(double(increment.duration));
   CHECK(sigma > 0.9 * open);  // before it was found, too
   CHECK(go_on(4) < 1e-4);     // constant velocity; 5 mm by the IMU
   for (int k = 0; k < 100; ++k) go_on(0);
@@ -584,7 +586,7 @@ TEMPLATE_TEST_CASE("inertial: diagnoses its samples", "", float, double) {
   // IMU and images that are inconsistent.
   const int first = window.insert(drive.now, drive.latest);
   factors->insert(first, drive.latest, {});
-  drive.propagation->begin_factor(drive.latest);
+  drive.propagation->begin_factor();
   drive.go_on(2);
   NavState<S> x = drive.latest;
   const int second = window.insert(drive.now, x);

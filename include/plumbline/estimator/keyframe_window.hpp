@@ -188,7 +188,7 @@ class KeyframeWindow {
     tracker.images().keep(view, x.T_world_body);
     keyframe_ = slot;
     tracked_at_keyframe_ = landmarks_.tracked_count();
-    propagation.begin_factor(x);
+    propagation.begin_factor();
     is_latest_keyframe_ = true;
     const bool has_covariance = backend_.covariance_of_newest(keyframe_covariance_);
     map_updates_.adopt(slot, frames(), landmarks_, view.current, view.depth, view.T_body_cam,

@@ -66,6 +66,16 @@ struct ImuIncrement {
     return out;
   }
 
+  /// Whether the first-order correction (7) to this gyroscope bias is inaccurate: a rotation of more than 0.01 rad, or
+  /// a second-order error of the velocity above a tenth of its sigma. The accelerometer bias is corrected exactly.
+  bool is_far(const Vec<S, 3>& gyro) const {
+    const Vec<S, 3> d = gyro - bias_gyro;
+    const S angle = norm(d) * duration, variance = covariance(6, 6);
+    const S velocity = norm(J_v_g() * d) * angle;
+    constexpr S max_angle = S(0.01), max_error2 = S(0.01);  // numerics: error of (7) below a tenth of its sigma
+    return !(angle <= max_angle) || velocity * velocity > max_error2 * variance;
+  }
+
   /// L, lower triangular, L^T L = S^-1. A floor of sigma 1e-6 (rad, m, m/s) and 1e-7 (biases) keeps S regular.
   Result<Mat<S, 15, 15>> square_root_information() const {
     constexpr S motion_floor = S(1e-12), bias_floor = S(1e-14);  // numerics: S stays regular

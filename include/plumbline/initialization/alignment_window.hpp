@@ -36,14 +36,14 @@ class AlignmentWindow {
            double time_offset_s = 0, const Mat<S, 3, 3>& position_covariance = zeros<Mat<S, 3, 3>>()) {
     if (frames_.empty()) {
       frames_.push_back({t_ns, time_offset_s, T_ref_cam, position_covariance, Increment(since_last.noise())});
-      pending_ = Increment(since_last.noise());
+      pending_ = {};
       return true;
     }
-    for (const ImuInterval<S>& interval : since_last.intervals()) pending_.add(interval);
-    if (pending_.increment().duration < S(interval_s * (1 << doublings_))) return false;
+    pending_.append(since_last.intervals());
+    if (pending_.duration() < S(interval_s * (1 << doublings_))) return false;
     if (frames_.full()) make_room();
-    frames_.push_back({t_ns, time_offset_s, T_ref_cam, position_covariance, pending_});
-    pending_ = Increment(since_last.noise());
+    frames_.push_back({t_ns, time_offset_s, T_ref_cam, position_covariance, Increment(since_last.noise(), pending_)});
+    pending_ = {};
     return true;
   }
 
@@ -123,7 +123,7 @@ class AlignmentWindow {
   }
 
   FixedVector<Entry, capacity> frames_;
-  Increment pending_;
+  typename Increment::Intervals pending_;  ///< since the newest pose
   int doublings_ = 0;
   std::size_t outdated_ = 0;  ///< number of outdated poses, the oldest ones
 };

@@ -228,7 +228,7 @@ class Initialization {
       const State& x = on.window.frames().latest();
       initializer_.clear();
       initializer_.add(view.t_ns, x.T_world_body * view.T_body_cam, zeros<Mat<S, 3, 3>>(),
-                       on.propagation.imu().since(x), on.rig_state);
+                       Preintegration<S>(on.propagation.imu().noise()), on.rig_state);
     }
   }
 

@@ -103,7 +103,7 @@ class ConstantVelocity {
   static constexpr bool detect_stationarity(TimeNs /*t_ns*/, double /*track_px*/) { return false; }
   bool confirm_keyframe(TimeNs, auto&& /*motion_px*/, bool needed) const { return needed; }
   Factor factor(int /*keyframe*/) const { return {}; }
-  void begin_factor(const State&) {}
+  void begin_factor() {}
   static constexpr bool is_inconsistent() { return false; }
   HealthReason diagnose(const auto& /*factors*/, const auto& /*window*/, bool /*few_features*/) const {
     return HealthReason::none;

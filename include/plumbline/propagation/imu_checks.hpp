@@ -11,7 +11,7 @@
 #include "plumbline/propagation/gyroscope_check.hpp"
 #include "plumbline/propagation/imu_integrator.hpp"
 #include "plumbline/propagation/inertial_options.hpp"
-#include "plumbline/propagation/keyframe_increment.hpp"
+#include "plumbline/propagation/samples_since_keyframe.hpp"
 #include "plumbline/state/health.hpp"
 
 namespace plumbline {
@@ -49,7 +49,7 @@ class ImuChecks {
   /// inflated, so that images and gyroscope determine the motion.
   void check_accelerometer(const SE3<S>& T, const Covariance& covariance, bool is_stationary, const NavState<S>& before,
                            const NavState<S>& predicted, const auto& view, const InertialOptions& options,
-                           ImuIntegrator<S>& imu, KeyframeIncrement<S>& since_keyframe) {
+                           ImuIntegrator<S>& imu, SamplesSinceKeyframe<S>& since_keyframe) {
     const ImuCoverage& coverage = imu.coverage();
     const bool usable =
         coverage.missing() == 0 && coverage.saturated_s == 0 && !is_stationary && !gyro_.has_recent_jump();

@@ -1,9 +1,10 @@
 #pragma once
-/// The IMU factor of a frame: the preintegrated samples since an earlier frame, and what is known about them.
+/// The IMU factor of a frame: the samples since an earlier frame, and what is known about them.
 ///                                                                                docs/math/inertial_window.md
 
 #include "plumbline/imu/gravity.hpp"
-#include "plumbline/imu/preintegration.hpp"
+#include "plumbline/imu/imu_intervals.hpp"
+#include "plumbline/imu/noise.hpp"
 #include "plumbline/propagation/camera_time_offset.hpp"
 
 namespace plumbline {
@@ -26,7 +27,8 @@ struct ImuFactorOptions {
 template <class S>
 struct ImuFactor {
   int previous = -1;
-  Preintegration<S> increment;             ///< samples between the two frames
+  ImuIntervals<S> samples;                 ///< between the two frames
+  ImuNoise noise = {};                     ///< of the samples
   bool is_stationary = false;              ///< the body is at rest since the previous frame
   bool jumped = false;                     ///< the gyroscope bias has jumped since the previous frame
   SampleBoundary<S> begin = {}, end = {};  ///< boundaries of the samples

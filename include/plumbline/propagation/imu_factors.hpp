@@ -10,6 +10,7 @@
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/factor/zero_velocity.hpp"
 #include "plumbline/imu/gravity.hpp"
+#include "plumbline/imu/increment.hpp"
 #include "plumbline/imu/nav_state.hpp"
 #include "plumbline/imu/preintegration.hpp"
 #include "plumbline/propagation/camera_time_offset.hpp"
@@ -25,7 +26,6 @@ template <class S, int Slots>
 class ImuFactors {
  public:
   using Layout = InertialLayout;
-  using Increment = Preintegration<S>;
   using Factor = ImuFactor<S>;
 
   explicit ImuFactors(const ImuFactorOptions& options)
@@ -45,7 +45,7 @@ class ImuFactors {
     is_accel_suspect_ = factor.is_accel_suspect;
     factors_[slot].factor = factor;
     factors_[slot].is_checked = true;
-    integrate(factors_[slot], x);
+    integrate(factors_[slot], x.bias_gyro, x.bias_accel);
   }
   /// Removes the factors of a frame. What they determined is in the prior if the frame was marginalized.
   void remove(int slot) {
@@ -56,7 +56,7 @@ class ImuFactors {
   }
 
   int previous(int slot) const { return factors_[slot].factor.previous; }
-  const Increment& increment(int slot) const { return factors_[slot].factor.increment; }
+  const ImuIncrement<S>& increment(int slot) const { return factors_[slot].increment; }
 
   /// Initial velocities v_i = (p_j - p_free)/Dt, from given poses and biases.    docs/math/inertial_window.md (1j)
   template <class Window>
@@ -67,7 +67,7 @@ class ImuFactors {
     };
     for (int j = 0; j < Slots; ++j) {
       if (!has_factor(window, j)) continue;
-      const auto& increment = factors_[j].factor.increment.increment();
+      const ImuIncrement<S>& increment = factors_[j].increment;
       const int i = previous(j);
       NavState<S> x_i = window[i].state.value();
       set_zero(x_i.v_world_body);
@@ -84,7 +84,7 @@ class ImuFactors {
     for (int slot = 0; slot < Slots; ++slot) {
       if (!has_factor(window, slot)) continue;
       const NavState<S> x = window[previous(slot)].state.value();
-      if (factors_[slot].factor.increment.is_far(x.bias_gyro)) integrate(factors_[slot], x);
+      if (factors_[slot].increment.is_far(x.bias_gyro)) integrate(factors_[slot], x.bias_gyro, x.bias_accel);
     }
   }
 
@@ -100,8 +100,8 @@ class ImuFactors {
       const NavState<S> x_i0 = window[i].state.first_estimate(), x_j0 = window[j].state.first_estimate();
       if (weighted.valid) {
         const Ends at = ends(window, weighted.factor);
-        auto inertial = InertialResidual<S>{weighted.factor.increment.increment(), gravity_}.linearize(
-            at.begin(x_i), at.end(x_j), at.begin(x_i0), at.end(x_j0));
+        auto inertial = InertialResidual<S>{weighted.increment, gravity_}.linearize(at.begin(x_i), at.end(x_j),
+                                                                                    at.begin(x_i0), at.end(x_j0));
         if (inertial.valid) {
           inertial.whiten(weighted.L);
           const Vec<S, 15> by_begin = at.begin.pull_back(x_i0, inertial.J_r_i);
@@ -123,8 +123,7 @@ class ImuFactors {
       const NavState<S> x_i = window[weighted.factor.previous].state.value(), x_j = window[j].state.value();
       if (weighted.valid) {
         const Ends at = ends(window, weighted.factor);
-        const Vec<S, 15> r =
-            InertialResidual<S>{weighted.factor.increment.increment(), gravity_}.residual(at.begin(x_i), at.end(x_j));
+        const Vec<S, 15> r = InertialResidual<S>{weighted.increment, gravity_}.residual(at.begin(x_i), at.end(x_j));
         sum += squared_norm(times(weighted.L, r)) / 2;
       }
       if (weighted.factor.is_stationary) zero_velocity().add_cost(x_i, x_j, sum);
@@ -143,7 +142,7 @@ class ImuFactors {
     int factors = 0;
     for (int j = 0; j < Slots; ++j) {
       if (!has_factor(window, j) || !factors_[j].valid || !factors_[j].is_checked) continue;
-      const InertialResidual<S> inertial{factors_[j].factor.increment.increment(), gravity_};
+      const InertialResidual<S> inertial{factors_[j].increment, gravity_};
       const Ends at = ends(window, factors_[j].factor);
       const Vec<S, 15> r =
           inertial.residual(at.begin(window[previous(j)].state.value()), at.end(window[j].state.value()));
@@ -156,9 +155,10 @@ class ImuFactors {
  private:
   struct Weighted {
     Factor factor;
-    bool valid = false;      ///< the increment has samples and an information matrix
-    bool is_checked = true;  ///< included in `disagreement`
-    Mat<S, 15, 15> L;        ///< square root information of the increment
+    ImuIncrement<S> increment;  ///< of the factor's samples
+    bool valid = false;         ///< the increment has samples and an information matrix
+    bool is_checked = true;     ///< included in `disagreement`
+    Mat<S, 15, 15> L;           ///< square root information of the increment
   };
 
   /// Shifts from the frames' image times to the boundaries of the samples, by the present time offset.
@@ -177,19 +177,16 @@ class ImuFactors {
   void inflate_accelerometer_noise() {
     for (Weighted& weighted : factors_) {
       if (weighted.factor.previous < 0) continue;
-      weighted.factor.increment.inflate_accelerometer_noise(S(options_.suspect_accel_sigma));
-      weigh(weighted);
+      weighted.factor.samples.inflate_accelerometer_noise(S(options_.suspect_accel_sigma));
+      integrate(weighted, weighted.increment.bias_gyro, weighted.increment.bias_accel);
     }
   }
-  void integrate(Weighted& weighted, const NavState<S>& x) const {
-    weighted.factor.increment.reintegrate(x.bias_gyro, x.bias_accel);
-    weigh(weighted);
-  }
-  void weigh(Weighted& weighted) const {
-    const Increment& increment = weighted.factor.increment;
-    const auto L = weighted.factor.jumped ? square_root_information(inflated_by_jump(increment.increment()))
-                                          : increment.increment().square_root_information();
-    weighted.valid = bool(L) && !increment.empty();
+  void integrate(Weighted& weighted, const Vec<S, 3>& bias_gyro, const Vec<S, 3>& bias_accel) const {
+    const Factor& factor = weighted.factor;
+    weighted.increment = integrated(factor.samples, factor.noise, bias_gyro, bias_accel);
+    const auto L = factor.jumped ? square_root_information(inflated_by_jump(weighted.increment))
+                                 : weighted.increment.square_root_information();
+    weighted.valid = bool(L) && !factor.samples.empty();
     if (weighted.valid) weighted.L = *L;
   }
 

@@ -37,11 +37,7 @@ class ImuIntegrator {
   /// Sets the time offset. Samples between the old and the new boundary of the last frame belong to the next increment.
   void set_camera_time_offset(double offset_s) { camera_time_offset_s_ = offset_s; }
 
-  /// An empty increment, linearized at the biases of a state.
-  Preintegration<S> since(const NavState<S>& state) const {
-    return Preintegration<S>(noise_, state.bias_gyro, state.bias_accel);
-  }
-
+  const ImuNoise& noise() const { return noise_; }
   const Preintegration<S>& since_frame() const { return since_frame_; }
   const ImuCoverage& coverage() const { return coverage_; }  ///< of the time since the last frame
   bool is_missing() const { return !(coverage_.missing() < max_missing); }
@@ -69,7 +65,7 @@ class ImuIntegrator {
  private:
   void integrate_until(TimeNs until_ns, const NavState<S>& state) {
     if (!between_frames_) {
-      since_frame_ = since(state);
+      since_frame_ = Preintegration<S>(noise_, state.bias_gyro, state.bias_accel);
       coverage_ = {};
       between_frames_ = true;
     }

@@ -14,9 +14,9 @@
 #include "plumbline/propagation/imu_factors.hpp"
 #include "plumbline/propagation/imu_integrator.hpp"
 #include "plumbline/propagation/inertial_options.hpp"
-#include "plumbline/propagation/keyframe_increment.hpp"
 #include "plumbline/propagation/pose_gates.hpp"
 #include "plumbline/propagation/propagation.hpp"
+#include "plumbline/propagation/samples_since_keyframe.hpp"
 #include "plumbline/propagation/stationarity_detector.hpp"
 #include "plumbline/propagation/velocity_uncertainty.hpp"
 #include "plumbline/sensor/rig.hpp"
@@ -42,7 +42,6 @@ class Inertial {
       : options_(options),
         gravity_(gravity_in_world<S>(S(options.gravity))),
         imu_(rig.imu, options.inflated(rig.imu.noise)),
-        since_keyframe_(imu_.since(State{})),
         calibration_(rig, options.camera_imu),
         velocity_(options.velocity_sigma),
         checks_(options) {}
@@ -63,7 +62,7 @@ class Inertial {
     if (latest) {
       imu_.integrate(t_ns, *latest);
       calibration_.propagate(imu_);
-      since_keyframe_.append(imu_.since_frame(), imu_.is_unusable());
+      since_keyframe_.append(imu_.since_frame().intervals(), imu_.is_unusable());
       twist_.advance(imu_, latest->bias_gyro, dt, options_.rate_window_s);
       stationarity_.keep(imu_, t_ns, options_);
     }
@@ -178,15 +177,16 @@ class Inertial {
 
   Factor factor(int keyframe) const {
     return {keyframe,
-            since_keyframe_.increment(),
+            since_keyframe_.intervals(),
+            imu_.noise(),
             is_stationary(),
             since_keyframe_.has_jumped(),
             calibration_.time_offset().keyframe(),
             calibration_.time_offset().boundary(),
             checks_.is_accel_suspect()};
   }
-  void begin_factor(const State& x) {
-    since_keyframe_.restart(imu_.since(x));
+  void begin_factor() {
+    since_keyframe_.restart();
     calibration_.time_offset().begin_factor();
   }
   /// Decides whether the frame becomes a keyframe. It does not at rest. Otherwise it does by the rule (`needed`); when
@@ -199,7 +199,7 @@ class Inertial {
     const bool is_resting = long_enough && detect_stationarity(t_ns, motion_px());
     // The stationary state is that of the keyframe: samples before the last frame do not constrain later frames.
     if (initialized_ && was_stationary && (!is_resting || factor_s > options_.max_stationary_factor_s)) {
-      since_keyframe_.keep_last(imu_.since_frame());
+      since_keyframe_.keep_last(imu_.since_frame().intervals());
       calibration_.time_offset().begin_factor_at_previous();
     }
     if (is_resting) return false;
@@ -235,7 +235,7 @@ class Inertial {
   Options options_;
   Vec<S, 3> gravity_;
   ImuIntegrator<S> imu_;
-  KeyframeIncrement<S> since_keyframe_;
+  SamplesSinceKeyframe<S> since_keyframe_;
   CameraImuCalibration<S> calibration_;
   FrameTwist<S> twist_;
   VelocityUncertainty<S> velocity_;

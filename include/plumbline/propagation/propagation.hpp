@@ -122,13 +122,13 @@ concept ChecksPoses = HasFrameTypes<P> &&
 /// The factors. `is_initialized`: factors are active, so every frame is solved together with the window.
 template <class P>
 concept ProvidesFactors = HasFrameTypes<P> &&
-    requires(P& propagation, const P& known, const typename P::State& x, TimeNs t_ns, double (*motion_px)()) {
+    requires(P& propagation, const P& known, TimeNs t_ns, double (*motion_px)()) {
   { known.is_initialized() } -> std::convertible_to<bool>;
   { known.is_stationary() } -> std::convertible_to<bool>;
   { propagation.can_be_stationary(t_ns) } -> std::convertible_to<bool>;
   { propagation.confirm_keyframe(t_ns, motion_px, true) } -> std::convertible_to<bool>;
   { known.factor(0) } -> std::same_as<typename P::Factor>;
-  propagation.begin_factor(x);
+  propagation.begin_factor();
 };
 
 /// For a rolling shutter: angular rate [rad/s] and velocity [m/s] of the body in this frame, in its own axes. Two more

@@ -1,41 +1,37 @@
 #pragma once
-/// The increment from the last keyframe to the latest frame, and what is wrong with its samples.
+/// The IMU samples from the last keyframe to the latest frame, and what is wrong with them. They are integrated by the
+/// factor of the next keyframe (imu_factors.hpp).
 
 #include "plumbline/core/matrix.hpp"
+#include "plumbline/imu/imu_intervals.hpp"
 #include "plumbline/imu/nav_state.hpp"
-#include "plumbline/imu/preintegration.hpp"
 
 namespace plumbline {
 
 template <class S>
-class KeyframeIncrement {
+class SamplesSinceKeyframe {
  public:
-  explicit KeyframeIncrement(const Preintegration<S>& empty) : increment_(empty) {}
-
-  /// A new keyframe: `empty` is an increment without samples.
-  void restart(const Preintegration<S>& empty) {
-    increment_ = empty;
-    is_unusable_ = has_jumped_ = false;
-  }
+  /// A new keyframe.
+  void restart() { *this = {}; }
   /// The samples before the last frame do not count any longer.
-  void keep_last(const Preintegration<S>& since_frame) { increment_ = since_frame; }
+  void keep_last(const ImuIntervals<S>& since_frame) { intervals_ = since_frame; }
   /// Adds the samples of a frame. `is_unusable`: they do not determine the translation.
-  void append(const Preintegration<S>& since_frame, bool is_unusable) {
-    increment_.append(since_frame);
+  void append(const ImuIntervals<S>& since_frame, bool is_unusable) {
+    intervals_.append(since_frame);
     is_unusable_ = is_unusable_ || is_unusable;
   }
   /// The gyroscope bias has jumped.
   void mark_jumped() { has_jumped_ = true; }
   /// The accelerometer has been wrong: its noise is inflated by that sigma over one second [m/s^2].
   void distrust_accelerometer(S sigma) {
-    increment_.inflate_accelerometer_noise(sigma);
+    intervals_.inflate_accelerometer_noise(sigma);
     is_unusable_ = true;
   }
 
-  const Preintegration<S>& increment() const { return increment_; }
-  double duration_s() const { return double(increment_.increment().duration); }
+  const ImuIntervals<S>& intervals() const { return intervals_; }
+  double duration_s() const { return double(intervals_.duration()); }
   bool has_jumped() const { return has_jumped_; }
-  /// Whether a factor of this increment does not determine the velocity.
+  /// Whether a factor of these samples does not determine the velocity.
   bool is_suspect() const { return is_unusable_ || has_jumped_; }
 
   /// Corrects the velocity of a solved state to that of the images, when the IMU has been unusable since the keyframe.
@@ -51,7 +47,7 @@ class KeyframeIncrement {
   }
 
  private:
-  Preintegration<S> increment_;
+  ImuIntervals<S> intervals_;
   bool is_unusable_ = false, has_jumped_ = false;
 };
 
