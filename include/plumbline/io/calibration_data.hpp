@@ -31,7 +31,8 @@ struct Calibration {
   ImuBufferOptions imu_limits;      ///< full scales, where stated
   double depth_scale = 0;           ///< raw depth units per meter; 0: no depth
   double camera_time_offset_s = 0;  ///< t_imu = t_image + offset
-  /// Gray image of the size of the camera's; where it is zero the images do not show the scene.
+  double image_scale = 1;           ///< of the images beside those of the camera; `camera` describes the scaled ones
+  /// Gray image of the size of the camera's, before they are scaled; where it is zero the images do not show the scene.
   std::optional<std::filesystem::path> mask;
   std::vector<std::string> notes;  ///< one line each: what the file states and is not used, what was taken for what
 };
