@@ -1,9 +1,10 @@
 #pragma once
-/// The types that configurations.cmake names: the largest image, the camera model chosen at run time, and the types of
+/// The types that configurations.cmake names: the camera model chosen at run time, and the types of
 /// features for certain sensors.
 
 #include <type_traits>
 
+#include "largest_image.hpp"
 #include "plumbline/camera/any_camera.hpp"
 #include "plumbline/feature/collinear.hpp"
 #include "plumbline/feature/features.hpp"
@@ -18,7 +19,6 @@
 
 namespace pl = plumbline;
 
-inline constexpr std::size_t largest = 1920 * 1200;                        ///< image [px]
 using MonoCamera = pl::Mono<pl::AnyCamera<double>, largest, pl::Rolling>;  // the calibration has the readout time
 using RgbdCamera = pl::Rgbd<pl::AnyCamera<double>, largest>;
 

@@ -1,0 +1,6 @@
+#pragma once
+/// The largest image that the program's estimators have room for [px].
+
+#include <cstddef>
+
+inline constexpr std::size_t largest = 1920 * 1200;
