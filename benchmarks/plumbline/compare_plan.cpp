@@ -86,7 +86,8 @@ std::string content_of(const RecordingOptions& inputs) {
   std::string text;
   for (const auto& file : {inputs.calibration, inputs.imu_calibration, inputs.mask})
     text += (file ? io::read_text(*file) : std::string()) + '\n';
-  return fingerprint(text + format("%.9g %.9g", inputs.depth_scale, inputs.time_offset_s.value_or(NAN)));
+  return fingerprint(
+      text + format("%.9g %.9g %.9g", inputs.depth_scale, inputs.time_offset_s.value_or(NAN), inputs.image_scale));
 }
 
 CompareDataset open_dataset(const fs::path& given, const CompareOptions& options, std::vector<std::string>& notes) {

@@ -127,11 +127,7 @@ Observed observe(const CompareJob& job, io::Recording& recording, Runner& runner
       add(out, t_s, std::nullopt, runner);
       continue;
     }
-    if (out.times_ms.empty()) {
-      pl::opencv::require_resolution(images->gray, camera.width, camera.height, frame.image);
-      if (!images->depth.empty())
-        pl::opencv::require_resolution(images->depth, camera.width, camera.height, *frame.depth);
-    }
+    if (out.times_ms.empty()) require_calibrated_size(frame, *images, camera);
     const double begin_ms = cpu_time_ms();
     const FrameOutput output = runner.add_frame(frame.t_ns, images->gray, images->depth);
     if (!output.refused) out.cpu_ms.push_back(cpu_time_ms() - begin_ms);

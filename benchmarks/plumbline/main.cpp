@@ -155,6 +155,10 @@ void add_inputs(CLI::App& command, RecordingOptions& options) {
       ->check(number_from(-3600, 3600, "s"));
   command.add_option("--mask", options.mask,
                      "Gray image of the size of the images, zero where they do not show the scene (a bonnet, legs)");
+  command
+      .add_option("--scale", options.image_scale,
+                  "Scale of the images, e.g. 0.5 (default: 1, or 1/2, 1/3, ... for images that are too large)")
+      ->check(number_from(0.01, 1, ""));
   add_topics(command, options.topics);
 }
 

@@ -4,7 +4,9 @@
 #include <string>
 
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
+#include "plumbline/io/image_scale.hpp"
 #include "plumbline/opencv/image_file.hpp"
 
 cv::Mat read_mask(const plumbline::io::Calibration& calibration) {
@@ -15,6 +17,10 @@ cv::Mat read_mask(const plumbline::io::Calibration& calibration) {
     mask = plumbline::opencv::read_gray(*calibration.mask);
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(std::string("mask ") + error.what());
+  }
+  if (calibration.image_scale != 1) {  // what is excluded in part is excluded
+    cv::threshold(mask, mask, 0, 255, cv::THRESH_BINARY);
+    mask = plumbline::io::scaled_gray(mask, calibration.image_scale) == 255;
   }
   plumbline::opencv::require_resolution(mask, calibration.camera.width, calibration.camera.height, name);
   const int used = cv::countNonZero(mask);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "format.hpp"
+#include "largest_image.hpp"
 #include "mask.hpp"
 #include "open_recording.hpp"
 #include "plumbline/io/printable.hpp"
@@ -21,6 +22,7 @@ struct RecordingOptions {
   double depth_scale = 0;                                ///< raw units per meter; 0: that of the calibration
   std::optional<double> time_offset_s;        ///< IMU time = image time + offset, instead of the calibration's
   std::optional<std::filesystem::path> mask;  ///< gray image, zero where the images do not show the scene
+  double image_scale = 0;                     ///< of the images; 0: such that an estimator has room for them
 
   TopicOptions topics;  ///< of a bag
 
@@ -33,7 +35,9 @@ struct RecordingOptions {
                                                          .imu_calibration = imu_calibration,
                                                          .depth_scale = depth_scale,
                                                          .time_offset_s = time_offset_s,
-                                                         .mask = mask},
+                                                         .mask = mask,
+                                                         .image_scale = image_scale,
+                                                         .max_pixels = largest},
                                                         topics);
     (void)read_mask(recording.calibration());  // what is wrong with it is said before the work begins
     return recording;
@@ -46,6 +50,7 @@ struct RecordingOptions {
     if (depth_scale > 0) out.insert(out.end(), {"--depth-scale", format("%g", depth_scale)});
     if (time_offset_s) out.insert(out.end(), {"--time-offset", format("%g", *time_offset_s)});
     if (mask) out.insert(out.end(), {"--mask", mask->filename().string()});
+    if (image_scale > 0) out.insert(out.end(), {"--scale", format("%g", image_scale)});
     for (const auto& [option, topic] : {std::pair{"--image-topic", &topics.image},
                                         {"--depth-topic", &topics.depth},
                                         {"--imu-topic", &topics.imu},

@@ -24,13 +24,6 @@ namespace pl = plumbline;
 
 namespace {
 
-/// A calibration for another resolution would give wrong poses without an error.
-void require_calibrated_size(const pl::io::FrameSample& frame, const Images& images,
-                             const pl::io::CameraCalibration& camera) {
-  pl::opencv::require_resolution(images.gray, camera.width, camera.height, frame.image);
-  if (!images.depth.empty()) pl::opencv::require_resolution(images.depth, camera.width, camera.height, *frame.depth);
-}
-
 /// Prints all findings; throws the last error among them, unless the recording is used unchecked.
 void require_plausible(const pl::io::Recording& recording, const Needs& needs, bool is_unchecked) {
   std::string error;

@@ -73,11 +73,7 @@ PythonRun run_recording(const std::filesystem::path& dataset, const PythonRunOpt
       out.notes.push_back(std::string("skipped: ") + damage.what());
       continue;
     }
-    if (tally.is_first()) {
-      pl::opencv::require_resolution(images.gray, camera.width, camera.height, frame.image);
-      if (!images.depth.empty())
-        pl::opencv::require_resolution(images.depth, camera.width, camera.height, *frame.depth);
-    }
+    if (tally.is_first()) require_calibrated_size(frame, images, camera);
     const FrameOutput output = runner->add_frame(frame.t_ns, images.gray, images.depth);
     const bool is_in_trajectory = options.all_poses ? output.has_pose() : output.has_sound_pose();
     tally.add(output, is_in_trajectory);

@@ -10,6 +10,7 @@
 #include <opencv2/core.hpp>
 
 #include "plumbline/core/time.hpp"
+#include "plumbline/io/image_scale.hpp"
 #include "plumbline/opencv/image_file.hpp"
 
 namespace plumbline::io {
@@ -31,21 +32,25 @@ struct FrameSample {
   std::optional<std::filesystem::path> depth;
   int gray_bits = 16;                   ///< that the values of 16-bit gray images use
   double depth_scale = 0;               ///< of the calibration: for depth images in meters
+  double image_scale = 1;               ///< of both images, when they are read
   std::shared_ptr<ImageSource> source;  ///< empty: the images are files
   std::size_t image_number = 0, depth_number = 0;
 };
 
 /// 8-bit gray. Throws std::runtime_error that names the image.
 inline cv::Mat read_gray(const FrameSample& frame) {
-  if (!frame.source) return opencv::read_gray(frame.image, frame.gray_bits);
-  return opencv::gray_of([&](int flags) { return frame.source->read(frame.image_number, flags); }, frame.gray_bits);
+  const auto from_source = [&](int flags) { return frame.source->read(frame.image_number, flags); };
+  const cv::Mat gray =
+      frame.source ? opencv::gray_of(from_source, frame.gray_bits) : opencv::read_gray(frame.image, frame.gray_bits);
+  return frame.image_scale == 1 ? gray : scaled_gray(gray, frame.image_scale);
 }
 
 /// Raw depth of 16 bits; `frame.depth` must be there. Throws std::runtime_error that names the image.
 inline cv::Mat read_depth(const FrameSample& frame) {
-  if (!frame.source) return opencv::read_depth(*frame.depth, frame.depth_scale);
-  return opencv::depth_of([&](int flags) { return frame.source->read(frame.depth_number, flags); }, frame.depth_scale,
-                          *frame.depth);
+  const auto from_source = [&](int flags) { return frame.source->read(frame.depth_number, flags); };
+  const cv::Mat depth = frame.source ? opencv::depth_of(from_source, frame.depth_scale, *frame.depth)
+                                     : opencv::read_depth(*frame.depth, frame.depth_scale);
+  return frame.image_scale == 1 ? depth : scaled_depth(depth, frame.image_scale);
 }
 
 /// How many bits the values of these images use (opencv::used_gray_bits).

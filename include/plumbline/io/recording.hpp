@@ -25,6 +25,7 @@
 #include "plumbline/core/time.hpp"
 #include "plumbline/imu/sample.hpp"
 #include "plumbline/io/calibration.hpp"
+#include "plumbline/io/image_scale.hpp"
 #include "plumbline/io/imu_calibration_search.hpp"
 #include "plumbline/io/recording_layouts.hpp"
 #include "plumbline/io/trajectory.hpp"
@@ -42,6 +43,8 @@ class Recording {
     double depth_scale = 0;                                     ///< instead of the calibration's; 0: as it is
     std::optional<double> time_offset_s = {};                   ///< instead of the calibration's
     std::optional<std::filesystem::path> mask = {};             ///< instead of the calibration's
+    double image_scale = 0;      ///< of the images when they are read; 0: such that they have no more than max_pixels
+    std::size_t max_pixels = 0;  ///< that there is room for; 0: any number
   };
   using Sample = std::variant<ImuSample, FrameSample>;
 
@@ -93,6 +96,7 @@ class Recording {
 
  private:
   void read_calibrations(const std::optional<Calibration>& own, const Options& options);
+  void scale_images(const Options& options);
   void set_pixel_formats();
 
   Calibration calibration_;
@@ -114,6 +118,7 @@ inline void Recording::read_calibrations(const std::optional<Calibration>& own, 
   if (options.depth_scale > 0) calibration_.depth_scale = options.depth_scale;
   if (options.mask) calibration_.mask = options.mask;
   if (options.time_offset_s) calibration_.camera_time_offset_s = *options.time_offset_s;
+  scale_images(options);
 
   if (options.imu_calibration) {
     files_.imu_calibration = options.imu_calibration;
@@ -144,6 +149,21 @@ inline void Recording::read_calibrations(const std::optional<Calibration>& own, 
   notes_.insert(notes_.end(), calibration_.notes.begin(), calibration_.notes.end());
 }
 
+/// The camera is that of the scaled images from here on.
+inline void Recording::scale_images(const Options& options) {
+  CameraCalibration& camera = calibration_.camera;
+  const auto size = [&] { return std::to_string(camera.width) + " x " + std::to_string(camera.height); };
+  const std::string size_before = size();
+  const bool is_asked_for = options.image_scale > 0;
+  calibration_.image_scale = is_asked_for ? options.image_scale : fitting_scale(camera, options.max_pixels);
+  if (calibration_.image_scale == 1) return;
+  scale_camera(calibration_.image_scale, camera);
+  notes_.push_back("images of " + size_before + " are scaled to " + size() +
+                   (is_asked_for ? ""
+                                 : ": there is room for " + std::to_string(options.max_pixels) +
+                                       " pixels; --scale chooses another size"));
+}
+
 /// How the values of images become brightness and meters: of all frames alike, from some of them.
 inline void Recording::set_pixel_formats() {
   constexpr std::size_t looked_at = 8;
@@ -157,6 +177,7 @@ inline void Recording::set_pixel_formats() {
   for (FrameSample& frame : files_.frames) {
     frame.gray_bits = bits;
     frame.depth_scale = calibration_.depth_scale;
+    frame.image_scale = calibration_.image_scale;
   }
 }
 
