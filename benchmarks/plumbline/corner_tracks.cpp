@@ -9,8 +9,10 @@
 #include <opencv2/core.hpp>
 
 #include "images.hpp"
+#include "mask.hpp"
 #include "plumbline/camera/any_camera.hpp"
 #include "plumbline/core/fixed_vector.hpp"
+#include "plumbline/image/image_mask.hpp"
 #include "plumbline/image/pyramid.hpp"
 #include "plumbline/io/make_camera.hpp"
 #include "plumbline/opencv/mat_view.hpp"
@@ -33,6 +35,7 @@ class CornerTracker {
       : camera_(io::make_camera<double>(calibration.camera)), depth_scale_(calibration.depth_scale) {
     const double pixels = double(calibration.camera.width) * calibration.camera.height;
     options_.cell_px = std::max(16, int(std::sqrt(pixels / most_corners)));
+    mask_->set(pl::opencv::view<std::uint8_t>(read_mask(calibration)));
   }
 
   /// `is_first`: nothing is followed.
@@ -59,7 +62,7 @@ class CornerTracker {
     const auto view = current_->level(0);
     const float border = float(options_.border_px);  // also for the patches of the pyramid's top level
     if (!ray.valid || uv.x() < border || uv.y() < border || uv.x() > float(view.width) - border ||
-        uv.y() > float(view.height) - border)
+        uv.y() > float(view.height) - border || mask_->view().excludes(uv))
       return;
     double depth_m = 0;
     if (!depth.empty() && depth_scale_ > 0) {
@@ -74,13 +77,14 @@ class CornerTracker {
     std::vector<pl::Vec<float, 2>> existing;
     for (const TrackedCorner& corner : out) existing.push_back(corner.uv.cast<float>());
     pl::FixedVector<pl::Corner, most_corners> found;
-    pl::detect_corners(view, existing.data(), existing.size(), options_, found);
+    pl::detect_corners(view, existing.data(), existing.size(), options_, found, mask_->view());
     for (const pl::Corner& corner : found) add(next_id_++, corner.uv, depth, out);
   }
 
   pl::AnyCamera<double> camera_;
   double depth_scale_;
   pl::CornerOptions options_;
+  std::unique_ptr<pl::ImageMask<largest_image>> mask_ = std::make_unique<pl::ImageMask<largest_image>>();
   std::unique_ptr<TrackingPyramid> previous_ = std::make_unique<TrackingPyramid>(),
                                    current_ = std::make_unique<TrackingPyramid>();
   std::vector<TrackedCorner> corners_;

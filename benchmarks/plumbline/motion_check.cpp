@@ -41,7 +41,7 @@ void check_still_part(const StillPart& part, Diagnoses& out) {
   if (part.share < 0.02) return;
   const std::string text = format(
       "%.0f %% of the image does not move while the camera turns, within x %d to %d, y %d to %d px: part of the "
-      "vehicle, or dirt? Crop the images, or paint that part in one gray",
+      "vehicle, or dirt? Exclude it by --mask FILE, a gray image that is zero there",
       100 * part.share, part.left, part.right, part.top, part.bottom);
   out.push_back({part.share < 0.1 ? DiagnosisLevel::warning : DiagnosisLevel::error, "still part", text});
 }
