@@ -210,14 +210,14 @@ void draw_trajectories(const std::filesystem::path& file, const io::Trajectory& 
 void draw_errors(const std::filesystem::path& file, const std::vector<ErrorCurve>& curves, const std::string& title) {
   plumbline::TimeNs first = std::numeric_limits<plumbline::TimeNs>::max(),
                     last = std::numeric_limits<plumbline::TimeNs>::min();
-  double largest = 1e-9;
+  double largest_error_m = 1e-9;
   for (const ErrorCurve& curve : curves)
     for (const io::StampedError& error : curve.errors) {
       first = std::min(first, error.t_ns);
       last = std::max(last, error.t_ns);
-      largest = std::max(largest, error.position_m);
+      largest_error_m = std::max(largest_error_m, error.position_m);
     }
-  const double duration_s = std::max(1e-3, plumbline::seconds_between(first, last)), top_m = 1.05 * largest;
+  const double duration_s = std::max(1e-3, plumbline::seconds_between(first, last)), top_m = 1.05 * largest_error_m;
   const auto at = [&](double t_s, double m) {
     return cv::Point(cvRound(zoom * (left + (width - left - right) * t_s / duration_s)),
                      cvRound(zoom * (height - bottom - (height - top - bottom) * m / top_m)));

@@ -356,16 +356,16 @@ std::vector<TrueState> read_true_states(const fs::path& file) {
 /// Says where the true positions jump: there the images show a motion that no IMU sample has.
 void note_largest_jump(const std::vector<TrueState>& states, TimeNs first_ns) {
   constexpr double largest_m = 2e-3;  // a tenth of what a corner moves by a pixel at 5 m
-  double largest = 0, at_s = 0;
+  double largest_jump_m = 0, at_s = 0;
   for (std::size_t i = 1; i < states.size(); ++i) {
     const TrueState &a = states[i - 1], &b = states[i];
     const Vec<double, 3> expected = 0.5e-9 * double(b.t_ns - a.t_ns) * (a.rates[0] + b.rates[0]);
     const double jump = (b.T_world_body.p() - a.T_world_body.p() - expected).norm();
-    if (jump > largest) largest = jump, at_s = 1e-9 * double(b.t_ns - first_ns);
+    if (jump > largest_jump_m) largest_jump_m = jump, at_s = 1e-9 * double(b.t_ns - first_ns);
   }
-  if (largest > largest_m)
+  if (largest_jump_m > largest_m)
     std::fprintf(stderr, "plumbline: note: the true positions jump, by %.3f m at %.2f s; the images jump with them\n",
-                 largest, at_s);
+                 largest_jump_m, at_s);
 }
 
 /// Images along the path of a recorded flight, beside its real IMU samples.
