@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -15,6 +14,7 @@
 
 #include "plumbline/io/bag/bag.hpp"
 #include "plumbline/io/bag/bag_index.hpp"
+#include "plumbline/io/bag/camera_info.hpp"
 #include "plumbline/io/bag/topics.hpp"
 #include "plumbline/io/calibration.hpp"
 #include "plumbline/io/recording.hpp"
@@ -93,23 +93,6 @@ inline std::optional<Path> beside(const Path& bag, const std::string& file) {
   return io::detail::if_exists(folder / file);
 }
 
-/// By the text that `rostopic echo` would print, so that the same checks are made.
-inline Calibration calibration_of(const Path& name, const CameraInfoMessage& info) {
-  const auto list = [](const std::vector<double>& values) {
-    std::string out;
-    for (const double value : values) {
-      char text[40];
-      std::snprintf(text, sizeof text, "%s%.17g", out.empty() ? "" : ", ", value);
-      out += text;
-    }
-    return "[" + out + "]";
-  };
-  const std::string model = info.distortion_model.empty() ? "\"\"" : info.distortion_model;
-  return io::detail::read_camera_info(
-      YamlMap(name, "width: " + std::to_string(info.width) + "\nheight: " + std::to_string(info.height) +
-                        "\ndistortion_model: " + model + "\nD: " + list(info.D) + "\nK: " + list(info.K) + "\n"));
-}
-
 /// Says so; more than half of the messages skipped are an error.
 inline void note_skipped(const Path& name, const IndexedTopic& topic, std::vector<std::string>& notes) {
   if (topic.skipped == 0) return;
@@ -176,7 +159,7 @@ inline Recording open_recording(const std::filesystem::path& path, const TopicCh
     files.calibration = *file;
   } else if (chosen.camera_info != nullptr) {
     files.calibration = name_of(*chosen.camera_info);
-    if (!options.calibration) own = detail::calibration_of(files.calibration, *chosen.camera_info->camera_info);
+    if (!options.calibration) own = calibration_of(files.calibration, *chosen.camera_info->camera_info);
     if (own && chosen.depth != nullptr) own->depth_scale = 1000;  // REP 118: millimeters, or meters as float
   } else if (!options.calibration) {
     throw ReadError(
