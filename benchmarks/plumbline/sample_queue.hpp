@@ -1,6 +1,6 @@
 #pragma once
-/// Samples on their way from the thread that receives them to the estimator, in the order in which a recording has them:
-/// before a frame come the IMU samples up to its time and the first one at or after it.
+/// Samples on their way from the thread that receives them to the estimator, in the order in which a recording has
+/// them: before a frame come the IMU samples up to its time and the first one at or after it.
 
 #include <atomic>
 #include <chrono>
