@@ -1,0 +1,20 @@
+#pragma once
+// Right checksums for damaged files, without which most of them would be refused at once.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "plumbline/map/archive_bytes.hpp"
+
+/// Each chunk of a PNG: length, type, data, checksum of the last two.
+inline void repair_png(std::span<std::uint8_t> bytes) {
+  for (std::size_t at = 8; at + 12 <= bytes.size();) {
+    std::size_t length = 0;
+    for (std::size_t i = 0; i < 4; ++i) length = length << 8 | bytes[at + i];
+    if (length > bytes.size() - at - 12) return;
+    const std::uint32_t sum = plumbline::crc32(std::as_bytes(bytes.subspan(at + 4, length + 4)));
+    for (std::size_t i = 0; i < 4; ++i) bytes[at + 8 + length + i] = static_cast<std::uint8_t>(sum >> (24 - 8 * i));
+    at += length + 12;
+  }
+}
