@@ -40,13 +40,6 @@ cmp -s with.tum calibrated.tum || fail "the mask of the calibration gives anothe
 ate_of written --calibration calibrations/written.yaml > /dev/null
 cmp -s with.tum written.tum || fail "the mask is not in the calibration that was written"
 
-# The doctor names the part that stands still, and finds none outside of the mask.
-"$plumbline" doctor covered > doctor.txt 2> err.txt || true
-grep -q 'still part.*does not move.*Exclude it by --mask' doctor.txt || fail "doctor: $(cat doctor.txt err.txt)"
-"$plumbline" doctor covered --mask mask.pgm > doctor.txt 2> err.txt || true
-grep -q 'corners' doctor.txt || fail "doctor --mask: $(cat doctor.txt err.txt)"
-! grep -q 'still part' doctor.txt || fail "doctor --mask: $(grep 'still part' doctor.txt)"
-
 run=(run --config "$config" --dataset covered --trajectory out.tum)
 make_mask large.pgm 320 241 100
 expect_error 'mask large.pgm: the image is 320 x 241, the calibration has 320 x 240' "${run[@]}" --mask large.pgm
