@@ -3,9 +3,18 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 
 #include "plumbline/map/archive_bytes.hpp"
+
+/// A saved map ends with the checksum of all before it.
+inline void repair_map(std::span<std::uint8_t> bytes) {
+  if (bytes.size() < 4) return;
+  const auto content = bytes.first(bytes.size() - 4);
+  const std::uint32_t sum = plumbline::crc32(std::as_bytes(content));
+  for (std::size_t i = 0; i < 4; ++i) bytes[content.size() + i] = static_cast<std::uint8_t>(sum >> 8 * i);
+}
 
 /// Each chunk of a PNG: length, type, data, checksum of the last two.
 inline void repair_png(std::span<std::uint8_t> bytes) {

@@ -72,10 +72,12 @@ class ArchiveWriter {
   std::uint32_t crc_ = 0;
 };
 
-/// Reads what ArchiveWriter wrote. After the first number that is not there, or is not finite, or a rotation that is
-/// none, `is_good` is false; what is read then is of no use.
+/// Reads what ArchiveWriter wrote. After the first number that is not there, is not finite or beyond `largest`, or a
+/// rotation that is none, `is_good` is false; what is read then is of no use.
 class ArchiveReader {
  public:
+  static constexpr double largest = 1e12;  ///< of a position, a variance, ...; numerics: float has their products
+
   explicit ArchiveReader(std::span<const std::byte> bytes) : rest_(bytes) {}
 
   bool is_good() const { return is_good_; }
@@ -116,7 +118,8 @@ class ArchiveReader {
   }
   Sim3<double> similarity() {
     const double scale = real64();
-    is_good_ = is_good_ && scale > 1e-9 && scale < 1e9;
+    const float rounded = static_cast<float>(is_good_ ? scale : 1);  // as a map in float has it, and saves it again
+    is_good_ = is_good_ && rounded > 1e-9f && rounded < 1e9f;
     const SO3<double> R = rotation();
     return Sim3<double>(is_good_ ? scale : 1, R, position());
   }
@@ -131,7 +134,7 @@ class ArchiveReader {
  private:
   template <class T>
   T checked(T value) {
-    is_good_ = is_good_ && std::isfinite(value);
+    is_good_ = is_good_ && std::abs(value) <= T(largest);  // not NaN
     return value;
   }
 

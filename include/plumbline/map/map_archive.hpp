@@ -132,6 +132,11 @@ inline ArchivedLoop read_loop(ArchiveReader& in, int dim) {
   out.covariance = in.symmetric<7>(dim);
   return out;
 }
+/// Keyframes and worlds that follow have larger numbers.
+inline bool is_sound(const ArchivedKeyframe& keyframe) {
+  constexpr std::uint32_t largest = 1u << 31;
+  return keyframe.id < largest && keyframe.world < largest;
+}
 inline bool is_sound(const PlaceFeature& feature) {
   const float unit = squared_norm(feature.bearing);
   return unit > 0.99f && unit < 1.01f && feature.sigma_rad > 0 && feature.range >= 0 &&
@@ -171,7 +176,7 @@ MapArchiveError read_map_archive(std::span<const std::byte> bytes, Visitor&& vis
   for (std::uint32_t k = 0; k < header.keyframes; ++k) {
     const ArchivedKeyframe keyframe = read_keyframe(in);
     features += keyframe.features;
-    if (!in.is_good() || features > header.features || (k > 0 && keyframe.id <= last_id))
+    if (!in.is_good() || features > header.features || (k > 0 && keyframe.id <= last_id) || !is_sound(keyframe))
       return MapArchiveError::damaged;
     last_id = keyframe.id;
     visitor.keyframe(int(k), keyframe);
