@@ -19,8 +19,9 @@
 
 namespace pl = plumbline;
 
-using MonoCamera = pl::Mono<pl::AnyCamera<double>, largest, pl::Rolling>;  // the calibration has the readout time
-using RgbdCamera = pl::Rgbd<pl::AnyCamera<double>, largest>;
+using MonoCamera =
+    pl::Mono<pl::AnyCamera<double>, largest_image_px, pl::Rolling>;  // the calibration has the readout time
+using RgbdCamera = pl::Rgbd<pl::AnyCamera<double>, largest_image_px>;
 
 /// A camera without depth starts by points.
 template <class Sensors>

@@ -3,4 +3,4 @@
 
 #include <cstddef>
 
-inline constexpr std::size_t largest = 1920 * 1200;
+inline constexpr std::size_t largest_image_px = 1920 * 1200;

@@ -37,7 +37,7 @@ struct RecordingOptions {
                                                          .time_offset_s = time_offset_s,
                                                          .mask = mask,
                                                          .image_scale = image_scale,
-                                                         .max_pixels = largest},
+                                                         .max_pixels = largest_image_px},
                                                         topics);
     (void)read_mask(recording.calibration());  // what is wrong with it is said before the work begins
     return recording;
