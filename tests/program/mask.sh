@@ -13,6 +13,7 @@ make_mask() {
   } > "$1"
 }
 
+rm -rf covered calibrations out.tum
 "$plumbline" simulate --scene room --size 320 240 --duration 4 --bonnet 0.25 --out covered > /dev/null 2>&1
 make_mask mask.pgm 320 240 179
 
