@@ -1,5 +1,5 @@
-// Any bytes as a saved map: a map takes all of it in or stays as it was. What was taken in is finite, is saved as it was
-// read, and a run that sees its places again can be saved and loaded.
+// Any bytes as a saved map: a map takes all of it in or stays as it was. What was taken in is finite, is saved as it
+// was read, and a run that sees its places again can be saved and loaded.
 #include <cmath>
 #include <cstring>
 #include <memory>

@@ -2,8 +2,8 @@
 /// Successive intervals of IMU measurements, in bounded memory.                                    docs/math/imu.md
 ///
 /// When they are full, neighboring intervals are merged in pairs (interval.hpp (2)), and later ones are merged up to
-/// the same length: an integration then takes steps twice as long. 128 intervals are 0.64 s at 200 Hz, then 1.28 s in steps
-/// of 10 ms, and so on.
+/// the same length: an integration then takes steps twice as long. 128 intervals are 0.64 s at 200 Hz, then 1.28 s in
+/// steps of 10 ms, and so on.
 
 #include <concepts>
 #include <cstddef>
