@@ -75,6 +75,7 @@ class CornerTracker {
 
   void find_new(const pl::ImageView<const std::uint8_t>& view, const cv::Mat& depth, std::vector<TrackedCorner>& out) {
     std::vector<pl::Vec<float, 2>> existing;
+    existing.reserve(out.size());
     for (const TrackedCorner& corner : out) existing.push_back(corner.uv.cast<float>());
     pl::FixedVector<pl::Corner, most_corners> found;
     pl::detect_corners(view, existing.data(), existing.size(), options_, found, mask_->view());

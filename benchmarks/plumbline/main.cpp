@@ -61,7 +61,7 @@ void check_names(const CLI::App& app, std::span<const std::string> arguments) {
 
 /// What the parser says of a command line, in the program's words.
 std::string wording_of(const CLI::ParseError& error) {
-  const std::string text = error.what();
+  std::string text = error.what();
   if (text.starts_with("The following argument")) return text.substr(text.rfind(": ") + 2) + ": not expected here";
   if (error.get_name() == "ArgumentMismatch") return text.substr(0, text.find(": ")) + ": its value is missing";
   if (text == "A subcommand is required") return "a command is required, see plumbline --help";
@@ -460,7 +460,7 @@ int fail(const std::string& text, int status = 1) {
 
 }  // namespace
 
-int main(int argc, char* argv[]) {
+int main(int argc, char* argv[]) {  // NOLINT(bugprone-exception-escape): two options of one name, a fault of this file
   CLI::App app("Visual odometry: estimate, compare, simulate", "plumbline");
   app.require_subcommand(1);
   app.set_version_flag("--version", "plumbline " PLUMBLINE_VERSION);
