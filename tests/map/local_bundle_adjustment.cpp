@@ -377,15 +377,18 @@ TEMPLATE_TEST_CASE("local_bundle_adjustment: lines that leave the view do not ho
     options.seed = seed;
     SimulatedBundle world(options);
     world.members.clear();
-    LocalBundleAdjustmentOptions solver_options;
-    solver_options.levenberg_marquardt.max_iterations = 30;
-    const auto solver = std::make_unique<LocalBundleAdjustment<S, 20, 700, 9000, 150, 1>>(solver_options);
-    REQUIRE(world.fill<S>(*solver));
-    solver->begin();
-    while (!solver->iterate(1000)) {
-    }
-    quick += solver->has_converged() && solver->summary().iterations < 12;
-    CHECK(solver->cost() < S(0.05) * solver->initial_cost());
+    const auto cost_after = [&](int iterations) {
+      LocalBundleAdjustmentOptions solver_options;
+      solver_options.levenberg_marquardt.max_iterations = iterations;
+      const auto solver = std::make_unique<LocalBundleAdjustment<S, 20, 700, 9000, 150, 1>>(solver_options);
+      REQUIRE(world.fill<S>(*solver));
+      solver->begin();
+      while (!solver->iterate(1000)) {
+      }
+      CHECK(solver->cost() < S(0.1) * solver->initial_cost());
+      return solver->cost();
+    };
+    quick += cost_after(8) < S(1.01) * cost_after(60);
   }
   CHECK(quick >= 4);  // of 24 worlds one goes along a valley for 34 iterations
 }
