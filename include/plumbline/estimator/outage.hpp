@@ -10,6 +10,7 @@
 #include "plumbline/estimator/keyframe_window.hpp"
 #include "plumbline/estimator/options.hpp"
 #include "plumbline/feature/view.hpp"
+#include "plumbline/propagation/covariance_growth.hpp"
 #include "plumbline/state/health.hpp"
 #include "plumbline/state/tracking_state.hpp"
 
@@ -68,13 +69,12 @@ class Outage {
     report.is_bridged = repeats && !timed_out;
     return true;
   }
-  /// Inflates the covariance of a body that is not observed and may move: constant unknown velocity, sigma^2 t^2.
+  /// Inflates the covariance of a body that is not observed and may move.       docs/math/inertial_window.md (1f)
   void inflate(const View<Sensors>& view, const Tracker& tracker, Nav& navigation) const {
     if constexpr (!Propagation::has_imu_factors) {
-      const double until_s = tracker.outage_s(view.t_ns), since_s = until_s - double(view.dt);
-      const double grown = until_s * until_s - since_s * since_s;
-      navigation.add_variance(S(options_.lost_rate * options_.lost_rate * grown),
-                              S(options_.lost_speed * options_.lost_speed * grown));
+      const CovarianceGrowth<S> growth{.rate_sigma = S(options_.lost_rate), .speed_sigma = S(options_.lost_speed)};
+      const S outage_s = S(tracker.outage_s(view.t_ns));
+      navigation.add_variance(growth.rotation_variance(outage_s, view.dt), growth.position_variance(outage_s, view.dt));
     }
   }
 

@@ -10,6 +10,7 @@
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/imu/increment.hpp"
 #include "plumbline/imu/nav_state.hpp"
+#include "plumbline/propagation/covariance_growth.hpp"
 #include "plumbline/state/world_frame_uncertainty.hpp"
 
 namespace plumbline {
@@ -48,7 +49,6 @@ class DeadReckoning {
   /// `missing`: neither does the gyroscope.
   void advance(const ImuIncrement<S>& increment, const Vec<S, 3>& gravity, S dt, bool unusable, bool missing) {
     if (!begun_) return;
-    const S before_s = since_s_;
     since_s_ += dt;
     lost_ = lost_ || unusable || missing || !(since_s_ < S(options_.max_s));
     NavState<S> x = increment.predict(x_, gravity);
@@ -59,13 +59,10 @@ class DeadReckoning {
     }
     P_ = transported(P_, x_.T_world_body, x.T_world_body);
     x_ = x;
-    const S t2_step = since_s_ * since_s_ - before_s * before_s, walk = S(options_.velocity_walk);
-    const S rate = S(missing ? options_.lost_rate : options_.rate_error);
-    const S speed = lost_ ? S(options_.lost_speed) : velocity_sigma_;
-    for (int k = 0; k < 3; ++k) {
-      P_(k, k) += rate * rate * t2_step;
-      P_(3 + k, 3 + k) += speed * speed * t2_step + walk * walk * dt;
-    }
+    const CovarianceGrowth<S> growth{.rate_sigma = S(missing ? options_.lost_rate : options_.rate_error),
+                                     .speed_sigma = lost_ ? S(options_.lost_speed) : velocity_sigma_,
+                                     .position_walk = S(options_.velocity_walk)};
+    growth.add_to(P_, since_s_, dt);
   }
 
   /// True once after each loss.

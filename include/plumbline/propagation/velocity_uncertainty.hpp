@@ -7,6 +7,7 @@
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/imu/increment.hpp"
+#include "plumbline/propagation/covariance_growth.hpp"
 #include "plumbline/state/layout.hpp"
 
 namespace plumbline {
@@ -42,9 +43,9 @@ class VelocityUncertainty {
 
   /// Covariance of a pose after one more frame of IMU-only propagation, outage_s after the last usable frame.     (1f)
   Mat<S, 6, 6> grown(const Mat<S, 6, 6>& before, const ImuIncrement<S>& increment, S outage_s) const {
-    const S t = increment.duration, v = S(solved_sigma_), walk = S(unknown_sigma_);
     Mat<S, 6, 6> out = before + block<6, 6>(increment.covariance, 0, 0);
-    for (int k = 3; k < 6; ++k) out(k, k) += walk * walk * t + v * v * (2 * outage_s - t) * t;
+    const CovarianceGrowth<S> growth{.speed_sigma = S(solved_sigma_), .position_walk = S(unknown_sigma_)};
+    growth.add_to(out, outage_s, increment.duration);
     return out;
   }
 
