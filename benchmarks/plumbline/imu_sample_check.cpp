@@ -106,18 +106,31 @@ double quiet_sigma(const Samples& samples, ImuVector pl::ImuSample::*sensor) {
   return sigmas.empty() ? 0 : percentile(sigmas, 0.1);
 }
 
+/// Root of the mean sample rate [sqrt(Hz)].
+double root_rate(const Samples& samples) {
+  const double duration_s = pl::seconds_between(samples.front().t_ns, samples.back().t_ns);
+  return std::sqrt(static_cast<double>(samples.size() - 1) / duration_s);
+}
+
+/// Samples up to the last frame.
+Samples samples_of(const io::Recording& recording) {
+  Samples samples;
+  for (const pl::ImuSample& sample : recording.imu())
+    if (sample.t_ns <= recording.frames().back().t_ns) samples.push_back(sample);
+  return samples;
+}
+
 /// Densities far above what the samples show are those of another program, or of one sample.
 void check_stated_noise(const std::string& file, const io::Recording& recording, const Samples& samples,
                         std::vector<Finding>& findings) {
   constexpr double most = 10;
-  const double duration_s = pl::seconds_between(samples.front().t_ns, samples.back().t_ns);
-  const double root_rate = std::sqrt(static_cast<double>(samples.size() - 1) / duration_s);
   const auto check = [&](const char* what, double density, double sigma) {
-    if (!(sigma > 0) || density * root_rate < most * sigma) return;
+    const double stated = density * root_rate(samples);
+    if (!(sigma > 0) || stated < most * sigma) return;
     findings.push_back(
         {false, file + format("the samples of the %s are %.0f times quieter than the stated noise density "
                               "%g: is that the noise of one sample (divide by the root of the rate)?",
-                              what, density * root_rate / sigma, density)});
+                              what, stated / sigma, density)});
   };
   check("gyroscope", recording.calibration().imu->gyro_density, quiet_sigma(samples, &pl::ImuSample::gyro));
   if (recording.files().held_accel.rate_hz > 0) return;
@@ -126,10 +139,26 @@ void check_stated_noise(const std::string& file, const io::Recording& recording,
 
 }  // namespace
 
+std::vector<std::string> excess_of_stated_noise(const io::Recording& recording) {
+  const Samples samples = samples_of(recording);
+  if (samples.size() < 3 || !recording.calibration().imu) return {};
+  std::vector<std::string> out;
+  const auto report = [&](const char* what, double density, ImuVector pl::ImuSample::*sensor) {
+    const double sigma = quiet_sigma(samples, sensor), stated = density * root_rate(samples);
+    if (!(sigma > 0 && stated > sigma)) return;
+    out.push_back(
+        format("the stated noise density of the %s, %g, is %.1f times all that its samples show, vibration "
+               "included: is it that of one sample, or of another program?",
+               what, density, stated / sigma));
+  };
+  report("gyroscope", recording.calibration().imu->gyro_density, &pl::ImuSample::gyro);
+  if (!(recording.files().held_accel.rate_hz > 0))
+    report("accelerometer", recording.calibration().imu->accel_density, &pl::ImuSample::accel);
+  return out;
+}
+
 std::vector<Finding> check_imu_samples(const io::Recording& recording) {
-  Samples samples;
-  for (const pl::ImuSample& sample : recording.imu())
-    if (sample.t_ns <= recording.frames().back().t_ns) samples.push_back(sample);
+  const Samples samples = samples_of(recording);
   std::vector<Finding> findings;
   if (samples.size() < 2) return findings;
   const std::string file = recording.files().imu_index->string() + ": ";

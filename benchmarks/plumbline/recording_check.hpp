@@ -20,4 +20,7 @@ std::vector<Finding> check_recording(const plumbline::io::Recording& recording, 
 /// The parts of it.
 std::vector<Finding> check_time_offsets(const plumbline::io::Recording& recording, const Needs& needs);
 std::vector<Finding> check_imu_samples(const plumbline::io::Recording& recording);
+/// How far the stated noise of gyroscope and accelerometer exceeds the scatter of their samples, vibration included: a
+/// line for each that does. A filter in the sensor makes that scatter smaller, so this is no fault by itself.
+std::vector<std::string> excess_of_stated_noise(const plumbline::io::Recording& recording);
 std::vector<Finding> check_images(const plumbline::io::Recording& recording, const Needs& needs);

@@ -151,6 +151,13 @@ int run_configuration(const RunOptions& options) {
         {options.loaded_map->string() +
          ": no place of the map was recognized, and no pose is written in it; --trajectory-world has the poses in "
          "the run's own world"});
+  std::vector<std::string> warnings;
+  if (tally.is_never_tracking()) {
+    if (configuration.needs.imu) warnings = excess_of_stated_noise(recording);
+    if (!tally.is_mostly_without()) warnings.push_back(tally.why_never_tracking());
+  }
+  for (const std::string& warning : warnings)
+    progress.note("plumbline: warning: " + options.dataset.string() + ": " + warning);
   if (tally.is_mostly_without()) progress.note("plumbline: warning: " + why);
   std::puts(tally.summary().c_str());
   if (!options.files.trajectory) std::puts("no trajectory is written (--trajectory FILE)");

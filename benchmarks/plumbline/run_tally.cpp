@@ -77,6 +77,7 @@ void RunTally::add(const FrameOutput& output, bool is_in_trajectory) {
     resets_ = std::max(resets_, output.estimate.resets);
   }
   if (output.has_sound_pose()) {
+    ++sound_reasons_[explanation_of(output)];
     map_.push_back(output.map_timing);
     return sound_.push_back(output.timing);
   }
@@ -132,6 +133,17 @@ std::string RunTally::why_no_pose() const {
   const auto& [name, reason] = *longest;
   return frames + format(": %s in %zu of them", name.c_str(), reason.frames) +
          (reason.figures.empty() ? "" : " (" + reason.figures + ")");
+}
+
+bool RunTally::is_never_tracking() const {
+  return !sound_.empty() && by_health_[static_cast<std::size_t>(pl::HealthState::tracking)] == 0;
+}
+
+std::string RunTally::why_never_tracking() const {
+  const auto longest = std::max_element(sound_reasons_.begin(), sound_reasons_.end(),
+                                        [](const auto& a, const auto& b) { return a.second < b.second; });
+  return format("no frame is tracking: %s in %zu of %zu frames with a pose", longest->first.c_str(), longest->second,
+                sound_.size());
 }
 
 std::string found_wrong(const pl::io::Calibration& calibration, const Inspection& last) {

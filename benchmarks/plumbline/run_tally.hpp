@@ -28,6 +28,10 @@ class RunTally {
   bool is_mostly_without() const { return 2 * (without_ + skipped_) > read_; }
   /// How many frames gave no sound pose, and the reason that stood longest, with its figures.
   std::string why_no_pose() const;
+  /// Whether there are poses, and none of them in the state `tracking`.
+  bool is_never_tracking() const;
+  /// The state and reason that most frames with a sound pose were in.
+  std::string why_never_tracking() const;
 
  private:
   struct Reason {
@@ -39,9 +43,10 @@ class RunTally {
   std::array<std::size_t, 4> by_health_{};  // in the order of HealthState
   std::uint32_t resets_ = 0;
   std::vector<double> total_ms_;
-  std::vector<plumbline::FrameTiming> sound_;  // of the frames with a sound pose
-  std::vector<MapTiming> map_;                 // of the same
-  std::map<std::string, Reason> reasons_;      // of frames without a sound pose
+  std::vector<plumbline::FrameTiming> sound_;         // of the frames with a sound pose
+  std::vector<MapTiming> map_;                        // of the same
+  std::map<std::string, Reason> reasons_;             // of frames without a sound pose
+  std::map<std::string, std::size_t> sound_reasons_;  // of frames with one: how many
 };
 
 /// What the estimator found to be wrong with the calibration of a rig with an IMU, line by line.
