@@ -7,8 +7,7 @@
 /// because views may leave some of them unobservable (all in one plane through the line, or a distant line). A landmark
 /// whose distance is not determined after the step is removed.
 ///
-/// In pose refinement the covariance C of a landmark is added to that of its residuals,
-///   Sigma_r = Sigma + J_line C_w J_line^T,   C_w = M C M^T,  M = d(n_w; v_w)/d theta                            (29)
+/// Its rows of pose refinement are those of line_in_world.hpp.
 ///
 /// With a rolling shutter the observation depends on the readout time (docs/math/rolling_shutter.md):
 ///   dr_i/d readout = k_i nh^T db_i/d readout                                                                   (3)
@@ -19,9 +18,9 @@
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/present.hpp"
-#include "plumbline/core/square_root_information.hpp"
 #include "plumbline/feature/feature_kind.hpp"
 #include "plumbline/feature/line_geometry.hpp"
+#include "plumbline/feature/line_in_world.hpp"
 #include "plumbline/feature/readout_derivatives.hpp"
 #include "plumbline/feature/segment_observation.hpp"
 #include "plumbline/feature/whitened_rows.hpp"
@@ -170,39 +169,19 @@ struct LineKind {
 
   // --------------------------------------------------------------------------------------------- in one frame
 
-  struct InWorld {
-    Plucker<S> line;
-    Mat<S, 6, 6> covariance;  ///< C_w of (29)
-    Observation seen;
-  };
+  using InWorld = LineInWorld<Observation>;
   static InWorld in_world(const Geometry& line, const Observation& current, const SE3<S>& T_world_anchor) {
     const Mat<S, 6, 6> to_world = plucker_transform(T_world_anchor);
     const Mat<S, 6, 4> M = to_world * line.line.plucker_jacobian();
     return {T_world_anchor * line.line.plucker(), M * line.covariance * M.transpose(), current};
   }
-
-  /// Rows of pose refinement, whitened by (29).
   static WhitenedRows<S, 2> pixel_rows(const Sensors&, const BodyView<S>& view, const InWorld& line) {
-    const LineReprojection<S>& pixels = line.seen.pixels.measured;
-    const auto lin = WorldLine<LineReprojection<S>>{pixels}.linearize(view, line.line);
-    if (!lin.valid) return {};
-    return whitened(lin, line.seen.pixels.covariance, line);
+    return line.pixel_rows(view);
   }
-
-  /// Root mean square of the unwhitened residual [px].
-  static double error_px(const Sensors&, const BodyView<S>& view, const InWorld& line) {
-    const Vec<S, 2> r = line.seen.pixels.measured.residual(line_in_camera(view, line.line));
-    return double(norm(r)) / std::sqrt(2.0);
-  }
-
+  static double error_px(const Sensors&, const BodyView<S>& view, const InWorld& line) { return line.error_px(view); }
   static constexpr int depth_dim = Observation::measures_depth ? 2 : 0;
   static bool has_depth(const InWorld& line) { return line.seen.has_depth(); }
-  static WhitenedRows<S, 2> depth_rows(const BodyView<S>& view, const InWorld& line) {
-    const auto& depth = line.seen.depth.get();
-    const auto lin = WorldLine<LineInverseDepth<S>>{depth.measured}.linearize(view, line.line);
-    if (!lin.valid) return {};
-    return whitened(lin, depth.covariance, line);
-  }
+  static WhitenedRows<S, 2> depth_rows(const BodyView<S>& view, const InWorld& line) { return line.depth_rows(view); }
 
  private:
   /// Of an observation that is not valid at the current state; numerics: above the cost of any inlier.
@@ -294,14 +273,6 @@ struct LineKind {
   static void add_top(Rows& rows, const Measured& measured, const Mat<S, rows_per_view, dim>& J_line, int slot,
                       const Mat<S, rows_per_view, 6>& J_pose) {
     rows.template add<R>(slot, block<R, 6>(J_pose, 0, 0), block<R, dim>(J_line, 0, 0), segment<R>(measured.lin.r, 0));
-  }
-
-  template <class Linearization>
-  static WhitenedRows<S, 2> whitened(const Linearization& lin, const Mat<S, 2, 2>& covariance, const InWorld& line) {
-    const Mat<S, 2, 2> widened = covariance + lin.J_r_line * line.covariance * lin.J_r_line.transpose();  // (29)
-    const Result<Mat<S, 2, 2>> W = square_root_information(widened);
-    if (!W) return {};
-    return WhitenedRows<S, 2>::of(*W, lin.r, lin.J_r_pose);
   }
 };
 
