@@ -7,8 +7,8 @@
 /// Q1 comes from reflections of J_l, never from (J_l^T J_l)^-1: an ill-conditioned landmark does not square its
 /// condition number. Levenberg-Marquardt appends the rows sqrt(mu) D to J_l, D^2 = clip(diag J_l^T J_l) as in (7).
 ///
-/// Rows are those of landmark_rows.hpp, stored as S; the arithmetic is that of Acc. J_p^T J_p, J_p^T r are sums over all
-/// landmarks of a pair of blocks and do not depend on mu; A is linear in the rows, and A^T A of rank LandmarkDim.
+/// Rows are those of landmark_rows.hpp, stored as S; the arithmetic is that of Acc. J_p^T J_p, J_p^T r are sums over
+/// all landmarks of a pair of blocks and do not depend on mu; A is linear in the rows, and A^T A of rank LandmarkDim.
 /// Blocks of the normal equations may be larger than BlockDim: the rows then belong to their leading parameters.
 ///
 /// Per iteration: reset, add ..., add_to the pairs, then for each mu: eliminate, add_to the products of its anchor,

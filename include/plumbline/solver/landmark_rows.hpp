@@ -1,5 +1,5 @@
 #pragma once
-/// The whitened, robust-weighted rows [J_p J_l | r] of ONE landmark of LandmarkDim columns.      docs/math/solver.md (10)
+/// The whitened, robust-weighted rows [J_p J_l | r] of ONE landmark of LandmarkDim columns.    docs/math/solver.md (10)
 ///
 /// The landmark is held by one block, its anchor, and a row is of the kind of RelativeEquations: it depends on the
 /// relative pose of another block and the anchor. Without an anchor a row depends on one block alone. Rows of one call
