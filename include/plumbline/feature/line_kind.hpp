@@ -7,13 +7,8 @@
 /// because views may leave some of them unobservable (all in one plane through the line, or a distant line). A landmark
 /// whose distance is not determined after the step is removed.
 ///
-/// Its rows of pose refinement are those of line_in_world.hpp.
-///
-/// With a rolling shutter the observation depends on the readout time (docs/math/rolling_shutter.md):
-///   dr_i/d readout = k_i nh^T db_i/d readout                                                                   (3)
-/// The depth rows neglect it, because their noise is larger.
+/// Its rows in the window are those of line_rows.hpp, its rows of pose refinement those of line_in_world.hpp.
 
-#include <algorithm>
 #include <cmath>
 
 #include "plumbline/core/matrix.hpp"
@@ -21,6 +16,7 @@
 #include "plumbline/feature/feature_kind.hpp"
 #include "plumbline/feature/line_geometry.hpp"
 #include "plumbline/feature/line_in_world.hpp"
+#include "plumbline/feature/line_rows.hpp"
 #include "plumbline/feature/readout_derivatives.hpp"
 #include "plumbline/feature/segment_observation.hpp"
 #include "plumbline/feature/whitened_rows.hpp"
@@ -104,9 +100,9 @@ struct LineKind {
   /// cost.
   template <class Rows>
   static double add_anchor(const Linearized& line, const Observation& seen, Rows& rows) {
-    const Measured measured(seen, line.plucker);
+    const Measured measured(seen, line.plucker, pixel_loss);
     if constexpr (TakesDerivatives<Rows>) {
-      add_derivatives(rows, measured, seen, line.plucker);
+      measured.add_derivatives(rows, seen, line.plucker);
     } else if (measured.rows > 0) {
       add_to(rows, measured, by_landmark(measured.lin, line));
     }
@@ -116,9 +112,9 @@ struct LineKind {
   /// stay with the landmark: they must not count twice.
   template <class Rows>
   static void add_anchor_pixels(const Linearized& line, const Observation& seen, Rows& rows) {
-    const Measured measured(seen.pixels, line.plucker);
+    const Measured measured(seen.pixels, line.plucker, pixel_loss);
     if constexpr (TakesDerivatives<Rows>) {
-      add_derivatives(rows, measured, seen, line.plucker);
+      measured.add_derivatives(rows, seen, line.plucker);
     } else if (measured.rows > 0) {
       add_to(rows, measured, by_landmark(measured.lin, line));
     }
@@ -129,10 +125,10 @@ struct LineKind {
   static double add_view(const Sensors&, const Linearized& line, const Observation& seen, const RelativeView<S>& view,
                          int slot, Rows& rows) {
     const Plucker<S> in_target = line_in_target(view, line.plucker);
-    const Measured measured(seen, in_target);
+    const Measured measured(seen, in_target, pixel_loss);
     if (measured.rows == 0) return invalid_cost;
     if constexpr (TakesDerivatives<Rows>) {
-      add_derivatives(rows, measured, seen, in_target);
+      measured.add_derivatives(rows, seen, in_target);
     } else {
       const Mat<S, rows_per_view, 6> J_pose =
           line_pose_jacobian(measured.lin, in_target, Mat<S, 3, 3>(view.R_body_cam().transpose()), view.p_body_cam());
@@ -184,8 +180,8 @@ struct LineKind {
   static WhitenedRows<S, 2> depth_rows(const BodyView<S>& view, const InWorld& line) { return line.depth_rows(view); }
 
  private:
-  /// Of an observation that is not valid at the current state; numerics: above the cost of any inlier.
-  static constexpr double invalid_cost = 100;
+  using Measured = LineRows<Observation, Loss<S>>;
+  static constexpr double invalid_cost = Measured::invalid_cost;
   /// Whitened squared error of an outlier; chi-square quantile 99.9996 %, 2 degrees of freedom.
   static constexpr S drop_chi2 = S(25);
 
@@ -212,50 +208,6 @@ struct LineKind {
     if (seen.has_depth() && !(squared_norm(errors.depth) < drop_chi2)) seen.clear_depth();
   }
 
-  /// Whitened and weighted rows of the measurements of a line in one camera, by the line in that camera.
-  struct Measured {
-    int rows = 0;  ///< valid rows of `lin`; 0 where the line is not visible. The other rows are zero
-    double cost = invalid_cost;
-    Mat<S, 2, 2> wL;  ///< weighted L of the pixels
-    CameraLineLinearization<S, rows_per_view> lin{true, zeros<S, rows_per_view>(), zeros<S, rows_per_view, 3>(),
-                                                  zeros<S, rows_per_view, 3>()};
-
-    template <class Measurement>
-    Measured(const SegmentMeasurement<Measurement>& seen, const Plucker<S>& line) {
-      add<0>(seen, line);
-    }
-    Measured(const Observation& seen, const Plucker<S>& line) : Measured(seen.pixels, line) {
-      if constexpr (Observation::measures_depth) {
-        if (rows > 0 && seen.has_depth()) add<2>(seen.depth.get(), line);
-      }
-    }
-
-   private:
-    template <int first, class Measurement>
-    void add(const SegmentMeasurement<Measurement>& seen, const Plucker<S>& line) {
-      const CameraLineLinearization<S, 2> one = seen.measured.linearize(line);
-      if (!one.valid) return;
-      const Vec<S, 2> r = seen.L * one.r;
-      const S squared = squared_norm(r), w = std::sqrt(pixel_loss.weight(squared));
-      const Mat<S, 2, 2> weighted = w * seen.L;
-      if (first == 0) wL = weighted;
-      set_segment(lin.r, first, Vec<S, 2>(w * r));
-      set_block(lin.J_r_n, first, 0, product(weighted, one.J_r_n));
-      set_block(lin.J_r_v, first, 0, product(weighted, one.J_r_v));
-      cost = (first > 0 ? cost : 0) + double(pixel_loss.rho(squared)) / 2;
-      rows = first + 2;
-    }
-  };
-  /// Adds the derivatives (3), the line in the anchor fixed; zeros for depth rows.
-  static void add_derivatives(auto& derivatives, const Measured& measured, const Observation& seen,
-                              const Plucker<S>& line) {
-    const Vec<S, 3> nh = normalized(line.n);
-    const Mat<S, 3, 2> by_readout = seen.by_readout();
-    Vec<S, 2> r;
-    for (int i = 0; i < 2; ++i) r[i] = seen.pixels.measured.px_per_rad[i] * dot(nh, column(by_readout, i));
-    if (measured.rows > 0) derivatives.add_derivatives(Vec<S, 2>(measured.wL * r));
-    if (measured.rows > 2) derivatives.add_derivatives(zeros<S, rows_per_view - 2>());
-  }
   /// Adds the valid rows; `pose`: `slot` and J_pose, for frames other than the anchor.
   template <class Rows, class... Pose>
   static void add_to(Rows& rows, const Measured& measured, const Mat<S, rows_per_view, dim>& J_line,
