@@ -111,21 +111,6 @@ struct Life {
 
 }  // namespace
 
-TEST_CASE("point_flow: beside an IMU aligned points are worth more") {
-  using Inertial = Rig<Mono<Pinhole<float>, SimulatedRgbd::width * SimulatedRgbd::height>, Imu>;
-  const Life<float, 50>::FrontEnd::Options alone;
-  const Life<float, 50, Inertial>::FrontEnd::Options beside;
-  REQUIRE(beside.sigma_px < alone.sigma_px);
-  REQUIRE(beside.sigma_residual < alone.sigma_residual);
-  REQUIRE(beside.sigma_flow_px == alone.sigma_flow_px);
-}
-
-TEST_CASE("point_flow: beside an IMU a landmark without depth is not located at once") {
-  using Inertial = Rig<Rgbd<Pinhole<float>, SimulatedRgbd::width * SimulatedRgbd::height>, Imu>;
-  REQUIRE(Life<float, 50, Inertial>::FrontEnd::Options().min_views == 3);
-  REQUIRE(Life<float, 50>::FrontEnd::Options().min_views == 1);
-}
-
 TEMPLATE_TEST_CASE("point_flow: a keyframe fills the map with corners that have depth", "", float, double) {
   Life<TestType, 250> life;
   life.begin();

@@ -70,7 +70,9 @@ struct Wall {
     places->retire(id, keyframe.T_world_body);
     places->update();
   }
-  Vec<double, 3> position(int k) const { return Places::to_sim3(places->graph().pose(k)).template cast<double>().t(); }
+  Vec<double, 3> position(int k) const {
+    return Places::Poses::to_sim3(places->graph().pose(k)).template cast<double>().t();
+  }
   /// Of the second pass.
   double error() const {
     double squares = 0;

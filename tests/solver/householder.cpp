@@ -1,6 +1,7 @@
 #include "plumbline/solver/householder.hpp"
 
 #include <Eigen/LU>
+#include <array>
 #include <limits>
 
 #include "catch.hpp"
@@ -25,6 +26,21 @@ TEMPLATE_TEST_CASE("householder: a reflection zeroes the tail and keeps lengths"
   Vec<S, 3> x(S(-2), S(0), S(0));
   REQUIRE(make_reflection(x[0], &x[1], 2) == S(0));
   REQUIRE(x[0] == S(-2));
+}
+
+TEST_CASE("householder: a few rows of several numbers are reflected as each of their columns") {
+  Random random(5);
+  const std::array<double, 2> v{0.5, -2};
+  Vec<double, 3> first = random_matrix<double, 3, 1>(random);
+  std::array<Vec<double, 3>, 2> rows{random_matrix<double, 3, 1>(random), random_matrix<double, 3, 1>(random)};
+  const Vec<double, 3> first_before = first;
+  const auto before = rows;
+  reflect_few(0.3, v, first, rows);
+  for (int c = 0; c < 3; ++c) {
+    Vec<double, 3> column(first_before[c], before[0][c], before[1][c]);
+    reflect(0.3, v.data(), column[0], &column[1], 2);
+    REQUIRE((column - Vec<double, 3>(first[c], rows[0][c], rows[1][c])).norm() < 1e-15);
+  }
 }
 
 TEST_CASE("householder: products and differences of any length") {

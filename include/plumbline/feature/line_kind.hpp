@@ -7,21 +7,16 @@
 /// because views may leave some of them unobservable (all in one plane through the line, or a distant line). A landmark
 /// whose distance is not determined after the step is removed.
 ///
-/// In pose refinement the covariance C of a landmark is added to that of its residuals,
-///   Sigma_r = Sigma + J_line C_w J_line^T,   C_w = M C M^T,  M = d(n_w; v_w)/d theta                            (29)
-///
-/// With a rolling shutter the observation depends on the readout time (docs/math/rolling_shutter.md):
-///   dr_i/d readout = k_i nh^T db_i/d readout                                                                   (3)
-/// The depth rows neglect it, because their noise is larger.
+/// Its rows in the window are those of line_rows.hpp, its rows of pose refinement those of line_in_world.hpp.
 
-#include <algorithm>
 #include <cmath>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/present.hpp"
-#include "plumbline/core/square_root_information.hpp"
 #include "plumbline/feature/feature_kind.hpp"
 #include "plumbline/feature/line_geometry.hpp"
+#include "plumbline/feature/line_in_world.hpp"
+#include "plumbline/feature/line_rows.hpp"
 #include "plumbline/feature/readout_derivatives.hpp"
 #include "plumbline/feature/segment_observation.hpp"
 #include "plumbline/feature/whitened_rows.hpp"
@@ -105,9 +100,9 @@ struct LineKind {
   /// cost.
   template <class Rows>
   static double add_anchor(const Linearized& line, const Observation& seen, Rows& rows) {
-    const Measured measured(seen, line.plucker);
+    const Measured measured(seen, line.plucker, pixel_loss);
     if constexpr (TakesDerivatives<Rows>) {
-      add_derivatives(rows, measured, seen, line.plucker);
+      measured.add_derivatives(rows, seen, line.plucker);
     } else if (measured.rows > 0) {
       add_to(rows, measured, by_landmark(measured.lin, line));
     }
@@ -117,9 +112,9 @@ struct LineKind {
   /// stay with the landmark: they must not count twice.
   template <class Rows>
   static void add_anchor_pixels(const Linearized& line, const Observation& seen, Rows& rows) {
-    const Measured measured(seen.pixels, line.plucker);
+    const Measured measured(seen.pixels, line.plucker, pixel_loss);
     if constexpr (TakesDerivatives<Rows>) {
-      add_derivatives(rows, measured, seen, line.plucker);
+      measured.add_derivatives(rows, seen, line.plucker);
     } else if (measured.rows > 0) {
       add_to(rows, measured, by_landmark(measured.lin, line));
     }
@@ -130,10 +125,10 @@ struct LineKind {
   static double add_view(const Sensors&, const Linearized& line, const Observation& seen, const RelativeView<S>& view,
                          int slot, Rows& rows) {
     const Plucker<S> in_target = line_in_target(view, line.plucker);
-    const Measured measured(seen, in_target);
+    const Measured measured(seen, in_target, pixel_loss);
     if (measured.rows == 0) return invalid_cost;
     if constexpr (TakesDerivatives<Rows>) {
-      add_derivatives(rows, measured, seen, in_target);
+      measured.add_derivatives(rows, seen, in_target);
     } else {
       const Mat<S, rows_per_view, 6> J_pose =
           line_pose_jacobian(measured.lin, in_target, Mat<S, 3, 3>(view.R_body_cam().transpose()), view.p_body_cam());
@@ -170,43 +165,23 @@ struct LineKind {
 
   // --------------------------------------------------------------------------------------------- in one frame
 
-  struct InWorld {
-    Plucker<S> line;
-    Mat<S, 6, 6> covariance;  ///< C_w of (29)
-    Observation seen;
-  };
+  using InWorld = LineInWorld<Observation>;
   static InWorld in_world(const Geometry& line, const Observation& current, const SE3<S>& T_world_anchor) {
     const Mat<S, 6, 6> to_world = plucker_transform(T_world_anchor);
     const Mat<S, 6, 4> M = to_world * line.line.plucker_jacobian();
     return {T_world_anchor * line.line.plucker(), M * line.covariance * M.transpose(), current};
   }
-
-  /// Rows of pose refinement, whitened by (29).
   static WhitenedRows<S, 2> pixel_rows(const Sensors&, const BodyView<S>& view, const InWorld& line) {
-    const LineReprojection<S>& pixels = line.seen.pixels.measured;
-    const auto lin = WorldLine<LineReprojection<S>>{pixels}.linearize(view, line.line);
-    if (!lin.valid) return {};
-    return whitened(lin, line.seen.pixels.covariance, line);
+    return line.pixel_rows(view);
   }
-
-  /// Root mean square of the unwhitened residual [px].
-  static double error_px(const Sensors&, const BodyView<S>& view, const InWorld& line) {
-    const Vec<S, 2> r = line.seen.pixels.measured.residual(line_in_camera(view, line.line));
-    return double(norm(r)) / std::sqrt(2.0);
-  }
-
+  static double error_px(const Sensors&, const BodyView<S>& view, const InWorld& line) { return line.error_px(view); }
   static constexpr int depth_dim = Observation::measures_depth ? 2 : 0;
   static bool has_depth(const InWorld& line) { return line.seen.has_depth(); }
-  static WhitenedRows<S, 2> depth_rows(const BodyView<S>& view, const InWorld& line) {
-    const auto& depth = line.seen.depth.get();
-    const auto lin = WorldLine<LineInverseDepth<S>>{depth.measured}.linearize(view, line.line);
-    if (!lin.valid) return {};
-    return whitened(lin, depth.covariance, line);
-  }
+  static WhitenedRows<S, 2> depth_rows(const BodyView<S>& view, const InWorld& line) { return line.depth_rows(view); }
 
  private:
-  /// Of an observation that is not valid at the current state; numerics: above the cost of any inlier.
-  static constexpr double invalid_cost = 100;
+  using Measured = LineRows<Observation, Loss<S>>;
+  static constexpr double invalid_cost = Measured::invalid_cost;
   /// Whitened squared error of an outlier; chi-square quantile 99.9996 %, 2 degrees of freedom.
   static constexpr S drop_chi2 = S(25);
 
@@ -233,50 +208,6 @@ struct LineKind {
     if (seen.has_depth() && !(squared_norm(errors.depth) < drop_chi2)) seen.clear_depth();
   }
 
-  /// Whitened and weighted rows of the measurements of a line in one camera, by the line in that camera.
-  struct Measured {
-    int rows = 0;  ///< valid rows of `lin`; 0 where the line is not visible. The other rows are zero
-    double cost = invalid_cost;
-    Mat<S, 2, 2> wL;  ///< weighted L of the pixels
-    CameraLineLinearization<S, rows_per_view> lin{true, zeros<S, rows_per_view>(), zeros<S, rows_per_view, 3>(),
-                                                  zeros<S, rows_per_view, 3>()};
-
-    template <class Measurement>
-    Measured(const SegmentMeasurement<Measurement>& seen, const Plucker<S>& line) {
-      add<0>(seen, line);
-    }
-    Measured(const Observation& seen, const Plucker<S>& line) : Measured(seen.pixels, line) {
-      if constexpr (Observation::measures_depth) {
-        if (rows > 0 && seen.has_depth()) add<2>(seen.depth.get(), line);
-      }
-    }
-
-   private:
-    template <int first, class Measurement>
-    void add(const SegmentMeasurement<Measurement>& seen, const Plucker<S>& line) {
-      const CameraLineLinearization<S, 2> one = seen.measured.linearize(line);
-      if (!one.valid) return;
-      const Vec<S, 2> r = seen.L * one.r;
-      const S squared = squared_norm(r), w = std::sqrt(pixel_loss.weight(squared));
-      const Mat<S, 2, 2> weighted = w * seen.L;
-      if (first == 0) wL = weighted;
-      set_segment(lin.r, first, Vec<S, 2>(w * r));
-      set_block(lin.J_r_n, first, 0, product(weighted, one.J_r_n));
-      set_block(lin.J_r_v, first, 0, product(weighted, one.J_r_v));
-      cost = (first > 0 ? cost : 0) + double(pixel_loss.rho(squared)) / 2;
-      rows = first + 2;
-    }
-  };
-  /// Adds the derivatives (3), the line in the anchor fixed; zeros for depth rows.
-  static void add_derivatives(auto& derivatives, const Measured& measured, const Observation& seen,
-                              const Plucker<S>& line) {
-    const Vec<S, 3> nh = normalized(line.n);
-    const Mat<S, 3, 2> by_readout = seen.by_readout();
-    Vec<S, 2> r;
-    for (int i = 0; i < 2; ++i) r[i] = seen.pixels.measured.px_per_rad[i] * dot(nh, column(by_readout, i));
-    if (measured.rows > 0) derivatives.add_derivatives(Vec<S, 2>(measured.wL * r));
-    if (measured.rows > 2) derivatives.add_derivatives(zeros<S, rows_per_view - 2>());
-  }
   /// Adds the valid rows; `pose`: `slot` and J_pose, for frames other than the anchor.
   template <class Rows, class... Pose>
   static void add_to(Rows& rows, const Measured& measured, const Mat<S, rows_per_view, dim>& J_line,
@@ -294,14 +225,6 @@ struct LineKind {
   static void add_top(Rows& rows, const Measured& measured, const Mat<S, rows_per_view, dim>& J_line, int slot,
                       const Mat<S, rows_per_view, 6>& J_pose) {
     rows.template add<R>(slot, block<R, 6>(J_pose, 0, 0), block<R, dim>(J_line, 0, 0), segment<R>(measured.lin.r, 0));
-  }
-
-  template <class Linearization>
-  static WhitenedRows<S, 2> whitened(const Linearization& lin, const Mat<S, 2, 2>& covariance, const InWorld& line) {
-    const Mat<S, 2, 2> widened = covariance + lin.J_r_line * line.covariance * lin.J_r_line.transpose();  // (29)
-    const Result<Mat<S, 2, 2>> W = square_root_information(widened);
-    if (!W) return {};
-    return WhitenedRows<S, 2>::of(*W, lin.r, lin.J_r_pose);
   }
 };
 

@@ -5,12 +5,7 @@
 ///   1/2 rho(|L r_uv|^2) + 1/2 rho(r_z^2 / sigma_z^2)
 /// over reprojections in every frame except the anchor, and measured inverse depths in every frame.
 ///
-/// In pose refinement the uncertainty of a landmark is added to that of its residual, along the direction in which it
-/// would move the observation,
-///   Sigma_uv = (L^T L)^-1 + J_uv_lambda J_uv_lambda^T sigma_lambda^2
-///   Sigma_z  = sigma_z^2 + (J_z_lambda sigma_lambda)^2
-///   Sigma_uv^-1/2 = (I - c j j^T / |j|^2) L,  j = L J_uv_lambda sigma_lambda,  c = 1 - 1/sqrt(1 + |j|^2)       (10)
-/// so that new landmarks with one noisy depth do not dominate those with many observations.
+/// Its rows of pose refinement are those of point_in_world.hpp.
 ///
 /// With a rolling shutter observation and bearing depend on the readout time (docs/math/rolling_shutter.md):
 ///   dr_uv/d readout = J_uv_P R_ja db_a/d readout - duv/d readout                                               (3)
@@ -21,6 +16,7 @@
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/present.hpp"
 #include "plumbline/feature/feature_kind.hpp"
+#include "plumbline/feature/point_in_world.hpp"
 #include "plumbline/feature/point_observation.hpp"
 #include "plumbline/feature/readout_derivatives.hpp"
 #include "plumbline/feature/whitened_rows.hpp"
@@ -207,54 +203,22 @@ struct PointKind {
 
   // --------------------------------------------------------------------------------------------- in one frame
 
-  struct InWorld {
-    Vec<S, 3> p_world;
-    Vec<S, 3> sigma_world;  ///< displacement in the world by one sigma of the inverse range [m]
-    Observation seen;
-  };
+  using InWorld = PointInWorld<Sensors>;
   static InWorld in_world(const Geometry& point, const Observation& current, const SE3<S>& T_world_anchor) {
     const Vec<S, 3> p_cam = middle(point);
     const Vec<S, 3> sigma_cam = p_cam * (point.sigma_inverse_range / point.inverse_range);
     return {T_world_anchor * p_cam, T_world_anchor.rotation() * sigma_cam, current};
   }
-
-  /// Rows of pose refinement, whitened by (10).
   static WhitenedRows<S, 2> pixel_rows(const Sensors& rig, const BodyView<S>& view, const InWorld& point) {
-    const Observation& seen = point.seen;
-    const auto lin = PointReprojection<Camera>{cast_to<S>(seen.uv)}.linearize(rig.vision.camera, view, point.p_world);
-    if (!lin.valid) return {};
-    const Mat<S, 2, 2> L = cast_to<S>(seen.L);
-    const Vec<S, 2> j = L * (lin.J_r_point * point.sigma_world);
-    const S jj = squared_norm(j);
-    Mat<S, 2, 2> W = L;
-    constexpr S least = S(1e-12);  // numerics: below, the shrinkage is zero
-    if (jj > least) {
-      const S shrink = (S(1) - S(1) / std::sqrt(S(1) + jj)) / jj;
-      for (int c = 0; c < 2; ++c) {
-        const S along = shrink * (j[0] * L(0, c) + j[1] * L(1, c));
-        for (int i = 0; i < 2; ++i) W(i, c) -= along * j[i];  // (10)
-      }
-    }
-    return WhitenedRows<S, 2>::of(W, lin.r, lin.J_r_pose);
+    return point.pixel_rows(rig, view);
   }
-
-  /// Norm of the unwhitened residual [px].
   static double error_px(const Sensors& rig, const BodyView<S>& view, const InWorld& point) {
-    const auto lin =
-        PointReprojection<Camera>{cast_to<S>(point.seen.uv)}.linearize(rig.vision.camera, view, point.p_world);
-    return lin.valid ? double(norm(lin.r)) : 0;
+    return point.error_px(rig, view);
   }
-
   static constexpr int depth_dim = 1;
-  static bool has_depth(const InWorld& point) { return point.seen.depth.get().valid; }
+  static bool has_depth(const InWorld& point) { return point.has_depth(); }
   static WhitenedRows<S, depth_dim> depth_rows(const BodyView<S>& view, const InWorld& point) {
-    const InverseDepth<S>& measured = point.seen.depth.get();
-    const auto lin = PointInverseDepth<S>{measured.value}.linearize(view, point.p_world);
-    if (!lin.valid) return {};
-    S j = S(0);
-    for (int c = 0; c < 3; ++c) j += lin.J_r_point(0, c) * point.sigma_world[c];
-    const Mat<S, 1, 1> w(S(1) / std::sqrt(measured.sigma * measured.sigma + j * j));
-    return WhitenedRows<S, depth_dim>::of(w, lin.r, lin.J_r_pose);
+    return point.depth_rows(view);
   }
 
  private:

@@ -5,62 +5,22 @@
 ///                                                                            docs/math/tracking.md, docs/math/point.md
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <span>
 
 #include "plumbline/core/elementary.hpp"
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/feature/landmark_store.hpp"
 #include "plumbline/feature/point_kind.hpp"
 #include "plumbline/feature/view.hpp"
+#include "plumbline/frontend/point_flow_options.hpp"
+#include "plumbline/frontend/point_location.hpp"
 #include "plumbline/geometry/pose_ransac.hpp"
-#include "plumbline/geometry/triangulation.hpp"
 #include "plumbline/tracking/corner_detector.hpp"
 #include "plumbline/tracking/feature_alignment.hpp"
 #include "plumbline/tracking/optical_flow.hpp"
 #include "plumbline/tracking/surface_slant.hpp"
 
 namespace plumbline {
-
-struct PointFlowOptions {
-  /// Sigma of an aligned observation of a patch with strong texture [px]; tuned: docs/decisions/051.
-  double sigma_px = 0.2;
-  /// Intensity sigma of an aligned observation, in rms residuals of its patch; above 1 because they are correlated;
-  /// tuned: docs/decisions/051.
-  double sigma_residual = 4;
-  /// Sigma of an observation by optical flow alone [px]; tuned: docs/decisions/135 (chosen).
-  double sigma_flow_px = 1.0;
-  /// Corners are added until this many landmarks are in view; tuned: docs/decisions/135 (chosen).
-  int target_count = 180;
-  /// Largest number of landmarks out of view that one frame searches; tuned: docs/decisions/135 (chosen).
-  int max_searches = 200;
-  /// Views besides the anchor that must agree to locate a point without depth; geometry: two views triangulate.
-  int min_views = 1;
-  /// Largest distance between the results of flow and alignment [px]; tuned: docs/decisions/135 (chosen).
-  float max_drift_px = 2.0f;
-  OpticalFlowOptions flow;
-  AlignmentOptions alignment;
-  SlantOptions slant;
-  CornerOptions corners;
-  TriangulationOptions triangulation;
-};
-
-/// Default options of a rig. With an IMU the sigmas of aligned points must be accurate, because the scale depends on
-/// their weight against IMU factors; without one only their ratios matter. Points without measured depth on an RGB-D
-/// rig may move with the camera, and a single view would locate them wrongly.
-///                                                                          docs/math/point.md, docs/math/geometry.md 4
-template <SensorRig Sensors>
-struct PointOptionsOf : PointFlowOptions {
-  constexpr PointOptionsOf() {
-    if constexpr (Sensors::has_imu) {
-      sigma_px = 0.1;                                   // tuned: docs/decisions/051
-      sigma_residual = 3;                               // tuned: docs/decisions/051
-      if constexpr (Sensors::has_depth) min_views = 3;  // tuned: docs/decisions/070
-    }
-  }
-};
 
 template <class Store>
 class PointFlow {
@@ -138,7 +98,7 @@ class PointFlow {
     if (n > 0) first_search_ = (first_search_ + static_cast<std::size_t>(options_.max_searches)) % n;
   }
 
-  /// Locates points by measured depth or by triangulation; with `min_views` > 1 the views of keyframes are included.
+  /// Locates points by measured depth or by triangulation, point_location.hpp.
   void locate(const View<Sensors>& view, const auto& window, Store& store, const SE3<S>& T_world_body) {
     const SE3<S> T_cam_world = (T_world_body * view.T_body_cam).inverse();
     const S sigma_rad = S(options_.sigma_flow_px) / effective_focal_length(view.camera());
@@ -149,16 +109,8 @@ class PointFlow {
       const SE3<S> T_cam_anchor = T_cam_world * (window.T_world_body(landmark.anchor) * view.T_body_cam);
       locate_from_depth(landmark, ray.bearing, T_cam_anchor);
       if (landmark.located) continue;
-      Views views;
-      views.push_back({T_cam_anchor, ray.bearing, sigma_rad});
-      if (options_.min_views > 1) add_keyframes(view, window, landmark, sigma_rad, views);
-      if (static_cast<int>(views.size()) < options_.min_views) continue;
-      const std::span<const TriangulationView<S>> all(views.data(), views.size());
-      const Triangulation<S> found = triangulate<S>(landmark.geometry.bearing, all, options_.triangulation);
-      if (!found.valid) continue;
-      landmark.located = true;
-      landmark.geometry.inverse_range = found.inverse_range;
-      landmark.geometry.sigma_inverse_range = std::sqrt(found.variance);
+      locate_from_views(landmark, view, window, ray.bearing, T_cam_anchor, sigma_rad, options_.min_views,
+                        options_.triangulation);
     }
   }
 
@@ -280,34 +232,6 @@ class PointFlow {
       auto& [patch, slant] = landmark.appearance;
       slant.learn(slant_equations(patch, warp, slant.a(), view.current, landmark.current.pixel), f, options_.slant);
     }
-  }
-
-  using Views = FixedVector<TriangulationView<S>, static_cast<std::size_t>(Store::slots) + 1>;
-  /// Adds the views of all keyframes that observed the landmark, except its anchor.
-  static void add_keyframes(const View<Sensors>& view, const auto& window, const Landmark& landmark, S sigma_rad,
-                            Views& views) {
-    const SE3<S> T_world_anchor = window.T_world_body(landmark.anchor) * view.T_body_cam;
-    for (int slot = 0; slot < Store::slots; ++slot) {
-      const auto& seen = landmark.observations[static_cast<std::size_t>(slot)];
-      if (slot == landmark.anchor || !seen.valid) continue;
-      const Unprojection<S> ray = view.camera().unproject(seen.uv.template cast<S>());
-      const SE3<S> T_cam_world = (window.T_world_body(slot) * view.T_body_cam).inverse();
-      if (ray.valid) views.push_back({T_cam_world * T_world_anchor, ray.bearing, sigma_rad});
-    }
-  }
-
-  /// The inverse range of a landmark from the depth measured along `bearing` in the latest frame.
-  static void locate_from_depth(Landmark& landmark, const Vec<S, 3>& bearing, const SE3<S>& T_cam_anchor) {
-    const InverseDepth<S>& depth = landmark.current.depth.get();
-    if (!depth.valid) return;
-    const Vec<S, 3> p_anchor = T_cam_anchor.inverse() * Vec<S, 3>(bearing / (depth.value * bearing.z()));
-    const S range = norm(p_anchor);
-    // The direction from the anchor to the measured point must agree with the bearing in the anchor.
-    constexpr S min_cosine = S(0.999);  // geometry: 2.6 degrees
-    if (!(dot(p_anchor, landmark.geometry.bearing) > min_cosine * range)) return;
-    landmark.located = true;
-    landmark.geometry.inverse_range = S(1) / range;
-    landmark.geometry.sigma_inverse_range = depth.sigma * bearing.z();
   }
 
   PointFlowOptions options_;

@@ -155,7 +155,7 @@ class FrameLocalizer {
     out.valid = true;
     out.T_map_cam = local_.T_map_local * found.T_old_current;
     out.inliers = found.inliers;
-    out.mean_range = Places::mean_range(local_.keyframe);
+    out.mean_range = local_.keyframe.mean_range();
     const S factor2 = S(options_.sigma_factor * options_.sigma_factor);
     out.covariance = std::clamp(found.noise2, S(1) / factor2, S(1)) * found.covariance;
     const SE3<S>& T = found.T_old_current;  // map.md (3a)

@@ -8,14 +8,18 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <type_traits>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/se3.hpp"
+#include "plumbline/lie/sim3.hpp"
 #include "plumbline/lie/so3.hpp"
 #include "plumbline/map/found_frame.hpp"
 #include "plumbline/map/keyframe_map_core.hpp"
+#include "plumbline/map/keyframe_map_counts.hpp"
 #include "plumbline/map/keyframe_map_options.hpp"
+#include "plumbline/map/map_archive.hpp"
 #include "plumbline/map/place_keyframe.hpp"
 #include "plumbline/map/place_learner.hpp"
 #include "plumbline/map/point_recall.hpp"
@@ -41,21 +45,35 @@ struct KeyframeMap {
   using Options = KeyframeMapOptions;
 
   template <SensorRig Sensors>
-  class MapOf : public KeyframeMapCore<PlaceResidual<Sensors>, MaxKeyframes, MaxFeatures, MaxLoops, FindsPoints> {
+  class MapOf {
    public:
     using Core = KeyframeMapCore<PlaceResidual<Sensors>, MaxKeyframes, MaxFeatures, MaxLoops, FindsPoints>;
     using S = typename Sensors::Scalar;
+    using Places = typename Core::Places;
+    using Stage = typename Core::Stage;
 
     MapOf(const Sensors& rig, const Options& options)
-        : Core(of_sensors(options)),
+        : core_(of_sensors(options)),
           is_read_only_(options.localize_only),
           learner_(rig, options),
           frame_learner_(rig, options),
           recall_(rig, options.recall) {}
 
+    /// See keyframe_map_core.hpp.
+    const Places& places() const { return core_.places(); }
+    const KeyframeMapCounts& counts() const { return core_.counts(); }
+    Sim3<S> S_map_world() const { return core_.S_map_world(); }
+    bool covariance_in_map(typename Core::Covariance& out) const { return core_.covariance_in_map(out); }
+    void save(auto&& sink) const { core_.save(sink); }
+    MapArchiveError load(std::span<const std::byte> bytes) { return core_.load(bytes); }
+    int loaded() const { return core_.loaded(); }
+    bool is_in_map() const { return core_.is_in_map(); }
+    Stage stage() const { return core_.stage(); }
+    void work() { core_.work(); }
+
     void on_keyframe(const auto& keyframe) {
-      keyframe.for_each_frame([this](std::uint32_t id, const SE3<S>& T) { this->set_pose(id, T); });
-      auto* const learned = this->begin_keyframe(keyframe.sequence, keyframe.t_ns, keyframe.x.T_world_body,
+      keyframe.for_each_frame([this](std::uint32_t id, const SE3<S>& T) { core_.set_pose(id, T); });
+      auto* const learned = core_.begin_keyframe(keyframe.sequence, keyframe.t_ns, keyframe.x.T_world_body,
                                                  keyframe.T_body_cam, keyframe.covariance);
       if (!learned) return;
       learner_.learn_tracked(keyframe, *learned);
@@ -63,22 +81,22 @@ struct KeyframeMap {
         if (!is_read_only_) recall(keyframe, *learned);
       }
       learner_.learn_corners(keyframe, *learned);
-      this->finish_keyframe();
+      core_.finish_keyframe();
     }
     void on_retired(const auto& retired) {
       retired.for_each_neighbor([this](std::uint32_t a, std::uint32_t b, const Mat<S, 6, 6>& covariance) {
-        this->set_covariance(a, b, covariance);
+        core_.set_covariance(a, b, covariance);
       });
-      if (auto* const keyframe = this->retire(retired.sequence, retired.x.T_world_body)) {
+      if (auto* const keyframe = core_.retire(retired.sequence, retired.x.T_world_body)) {
         learner_.retire(retired, *keyframe);
-        this->points().drop_unlocated(*keyframe);
+        core_.points().drop_unlocated(*keyframe);
       }
     }
-    void on_world_change(const WorldChange<S>& change) { this->change_world(change); }
+    void on_world_change(const WorldChange<S>& change) { core_.change_world(change); }
     /// See found_frame.hpp.
     bool find_frame(const auto& view, const SO3<S>& R_cur_prev, FoundFrame<S>& found) requires Core::finds_frames {
-      frame_learner_.learn_frame(view.current, view.depth, this->begin_frame());
-      return Core::find_frame(view, R_cur_prev, found);
+      frame_learner_.learn_frame(view.current, view.depth, core_.begin_frame());
+      return core_.find_frame(view, R_cur_prev, found);
     }
 
    private:
@@ -90,12 +108,12 @@ struct KeyframeMap {
     /// The points that the keyframe sees: those it tracks, those that it shows again, and new ones.
     template <class Adopted>
     void recall(const Adopted& keyframe, typename Core::Keyframe& learned) {
-      auto& places = this->mutable_places();
-      auto& points = this->points();
+      auto& places = core_.places();
+      auto& points = core_.points();
       const int k = places.size() - 1;
       points.take_tracks(places, k);
       const auto again = recall_.recall(places, points, k, keyframe.image);
-      this->count_recalled(again.size());
+      core_.count_recalled(again.size());
       learner_.learn_recalled(keyframe, again, learned, [&](std::size_t feature, std::uint32_t point) {
         points.observe(places, k, feature, point);
       });
@@ -113,11 +131,11 @@ struct KeyframeMap {
       });
     }
 
+    Core core_;
     bool is_read_only_;
     PlaceLearner<Sensors, MaxFeatures> learner_;
     std::conditional_t<Core::finds_frames, PlaceLearner<Sensors, 2 * MaxFeatures>, NoFrameLocalizer> frame_learner_;
-    std::conditional_t<Core::has_points, PointRecall<Sensors, typename Core::Places, MaxFeatures / 2>, NoRecall>
-        recall_;
+    std::conditional_t<Core::has_points, PointRecall<Sensors, Places, MaxFeatures / 2>, NoRecall> recall_;
   };
   template <class Parts>
   using Map = MapOf<typename Parts::Sensors>;

@@ -126,7 +126,7 @@ class LocalAdjustment {
     }
   }
   void add(const Places& places, int k, bool is_fixed) {
-    keyframes_.push_back({places.keyframe(k).id, is_fixed, Places::to_sim3(places.graph().pose(k)).scale()});
+    keyframes_.push_back({places.keyframe(k).id, is_fixed, Places::Poses::to_sim3(places.graph().pose(k)).scale()});
     ++(is_fixed ? fixed_ : free_);
   }
   /// Retired keyframes that see at least so many of the points, those with the most first.
@@ -149,7 +149,7 @@ class LocalAdjustment {
   /// False where no point was found again: the window knows all that there is.
   bool fill(const Places& places, int newest) {
     solver_.clear();
-    T_map_local_ = camera_in_map(Places::to_sim3(places.graph().pose(newest)), places.keyframe(newest));
+    T_map_local_ = camera_in_map(Places::Poses::to_sim3(places.graph().pose(newest)), places.keyframe(newest));
     const SE3<S> T_local_map = T_map_local_.inverse();
     int oldest = newest;
     for (const Member& member : keyframes_) oldest = std::min(oldest, places.find(member.id));
@@ -159,7 +159,7 @@ class LocalAdjustment {
     for (const Member& member : keyframes_) {
       const int k = places.find(member.id);
       const Keyframe& keyframe = places.keyframe(k);
-      const SE3<S> T_local_cam = T_local_map * camera_in_map(Places::to_sim3(places.graph().pose(k)), keyframe);
+      const SE3<S> T_local_cam = T_local_map * camera_in_map(Places::Poses::to_sim3(places.graph().pose(k)), keyframe);
       (void)solver_.add_keyframe(T_local_cam, member.is_fixed);
       for (const PlaceFeature& feature : keyframe.features) {
         Start* const start = start_of(feature);
@@ -217,7 +217,7 @@ class LocalAdjustment {
     const SE3<S> T_map_cam = T_map_local_ * solver_.pose(int(n)), T_cam_local = solver_.pose(int(n)).inverse();
     const S scale = keyframes_[n].scale;
     const SO3<S> R = T_map_cam.rotation() * keyframe.T_body_cam.rotation().inverse();
-    poses_[n] = Places::from_sim3(Sim3<S>(scale, R, T_map_cam.p() - scale * (R * keyframe.T_body_cam.p())));
+    poses_[n] = Places::Poses::from_sim3(Sim3<S>(scale, R, T_map_cam.p() - scale * (R * keyframe.T_body_cam.p())));
     for (PlaceFeature& feature : keyframe.features) {
       const Start* const start = start_of(feature);
       if (!start || start->index < 0 || !feature.is_located()) continue;

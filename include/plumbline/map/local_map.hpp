@@ -32,7 +32,7 @@ class LocalMap {
   SE3<S> T_map_local;            ///< its camera, in the unit of the map
 
   static Sim3<S> camera_in_map(const Places& places, int k) {
-    return Places::to_sim3(places.graph().pose(k)) * Sim3<S>(places.keyframe(k).T_body_cam);
+    return Places::Poses::to_sim3(places.graph().pose(k)) * Sim3<S>(places.keyframe(k).T_body_cam);
   }
 
   /// Of a camera at T_map_cam, which sees what `frame` does, by keyframes with accept(keyframe). visit(k) is told of

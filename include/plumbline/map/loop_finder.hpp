@@ -53,7 +53,7 @@ class LoopFinder {
   bool find(const Places& places, int i, int j, Loop& loop, KeyframeMapCounts& counts) {
     const Keyframe &old = places.keyframe(i), &current = places.keyframe(j);
     const Pose between = places.graph().pose(i).inverse() * places.graph().pose(j);
-    const Sim3<S> S_old_current = Places::to_sim3(between);
+    const Sim3<S> S_old_current = Places::Poses::to_sim3(between);
     const SE3<S> prior =
         old.T_body_cam.inverse() * SE3<S>(S_old_current.rotation(), S_old_current.t()) * current.T_body_cam;
     const SO3<S> R_old = old.T_world_body.rotation() * old.T_body_cam.rotation(),
@@ -80,17 +80,18 @@ class LoopFinder {
       for (int b = 0; b < 6; ++b) P(a, b) /= (a < 3 ? S(1) : scale) * (b < 3 ? S(1) : scale);
     }
     for (int a = 0; a < 3; ++a) {
-      P(a, a) += S(options_.graph.sigma_rotation * options_.graph.sigma_rotation);
-      P(3 + a, 3 + a) += S(options_.graph.sigma_position * options_.graph.sigma_position);
+      P(a, a) += S(options_.graph.odometry.sigma_rotation * options_.graph.odometry.sigma_rotation);
+      P(3 + a, 3 + a) += S(options_.graph.odometry.sigma_position * options_.graph.odometry.sigma_position);
     }
     loop.i = old.id;
     loop.j = current.id;
-    loop.T_i_j = Places::to_pose(T_body, scale);
-    loop.covariance = Places::of_increment(P, places.graph().pose(i) * loop.T_i_j, pose.log_scale_sigma);
+    loop.T_i_j = Places::Poses::to_pose(T_body, scale);
+    loop.covariance = Places::Poses::of_increment(P, places.graph().pose(i) * loop.T_i_j, pose.log_scale_sigma);
     const auto predicted = predict_loop(places.graph(), i, j, loop.T_i_j, loop.covariance, options_.gate);
     if (!test_loop(predicted, loop.T_i_j, options_.gate).accepted) {
-      const Vec<S, 3> a = Places::to_sim3(predicted.T_i * loop.T_i_j).t() - Places::to_sim3(predicted.T_j).t();
-      if (norm(a) > S(options_.min_alias) * Places::to_sim3(predicted.T_i).scale() * Places::mean_range(old))
+      const Vec<S, 3> a =
+          Places::Poses::to_sim3(predicted.T_i * loop.T_i_j).t() - Places::Poses::to_sim3(predicted.T_j).t();
+      if (norm(a) > S(options_.min_alias) * Places::Poses::to_sim3(predicted.T_i).scale() * old.mean_range())
         aliases_.add(a);
       ++counts.rejected_by_gate;
       return false;

@@ -98,7 +98,7 @@ void save_places(const Places& places, Sink&& sink, std::uint32_t world) {
     archived.id = keyframe.id;
     archived.world = keyframe.world;
     archived.t_ns = keyframe.t_ns;
-    archived.S_map_body = Places::to_sim3(places.graph().pose(k)).template cast<double>();
+    archived.S_map_body = Places::Poses::to_sim3(places.graph().pose(k)).template cast<double>();
     archived.T_world_body = keyframe.T_world_body.template cast<double>();
     archived.T_body_cam = keyframe.T_body_cam.template cast<double>();
     if (follows)
@@ -119,7 +119,8 @@ void save_places(const Places& places, Sink&& sink, std::uint32_t world) {
     if (!is_saved(l)) continue;
     const auto& loop = places.graph().loop(l);
     ArchivedLoop archived{std::uint32_t(saved.index(loop.i)), std::uint32_t(saved.index(loop.j)),
-                          Places::to_sim3(loop.edge.residual.measured).template cast<double>(), zeros<double, 7, 7>()};
+                          Places::Poses::to_sim3(loop.edge.residual.measured).template cast<double>(),
+                          zeros<double, 7, 7>()};
     const auto covariance = loop.edge.covariance();
     for (int a = 0; a < dim; ++a)
       for (int b = 0; b < dim; ++b) archived.covariance(a, b) = double(covariance(a, b));
@@ -151,8 +152,8 @@ MapArchiveError load_places(std::span<const std::byte> bytes, Places& places, in
       for (int a = 0; a < dim; ++a)
         for (int b = 0; b < dim; ++b) covariance(a, b) = S(loop.covariance(a, b));
       const auto S_i_j = loop.S_i_j.template cast<S>();
-      is_good = is_good && places.graph().add_loop(int(loop.i), int(loop.j), Places::from_sim3(S_i_j), covariance) ==
-                               PoseGraphInsertion::inserted;
+      is_good = is_good && places.graph().add_loop(int(loop.i), int(loop.j), Places::Poses::from_sim3(S_i_j),
+                                                   covariance) == PoseGraphInsertion::inserted;
     }
   } taker{places};
 

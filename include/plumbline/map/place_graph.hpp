@@ -4,17 +4,16 @@
 ///
 ///   S_map_world = S_map_n T_n^-1 of the newest keyframe n that was solved for                                      (7)
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 #include <utility>
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/lie/sim3.hpp"
+#include "plumbline/map/graph_poses.hpp"
+#include "plumbline/map/keyframe_slots.hpp"
 #include "plumbline/map/map_archive.hpp"
 #include "plumbline/map/odometry_edges.hpp"
 #include "plumbline/map/place_keyframe.hpp"
@@ -23,7 +22,8 @@
 
 namespace plumbline {
 
-struct PlaceGraphOptions : OdometryEdgeOptions {
+struct PlaceGraphOptions {
+  OdometryEdgeOptions odometry;
   double sigma_log_scale = 2e-3;  ///< of an edge without an IMU and depth: 100 ranges of 2 % each
   double unknown_log_scale = 10;  ///< of an edge to a new world
 };
@@ -37,29 +37,22 @@ class PlaceGraph {
   using Keyframe = PlaceKeyframe<S, MaxFeatures>;
   using Graph = PoseGraph<Residual, MaxKeyframes, MaxLoops>;
   using Covariance = typename Graph::Covariance;
-  static constexpr bool has_scale = std::is_same_v<Pose, Sim3<S>>;
-  static constexpr bool has_gravity = Residual::dim == 4;
+  using Poses = GraphPoses<Residual>;
+  static constexpr bool has_scale = Poses::has_scale, has_gravity = Poses::has_gravity;
   static constexpr int max_keyframes = MaxKeyframes, none = -1;
   static constexpr std::size_t max_features = MaxFeatures;
 
-  explicit PlaceGraph(const PlaceGraphOptions& options) : options_(options), edges_(options) {
-    for (int slot = 0; slot < MaxKeyframes; ++slot) order_[std::size_t(slot)] = std::int16_t(slot);
-  }
+  explicit PlaceGraph(const PlaceGraphOptions& options) : options_(options), edges_(options.odometry) {}
 
-  int size() const { return size_; }
+  int size() const { return keyframes_.size(); }
   /// Of the k-th one in order of sequence.
-  int slot(int k) const { return order_[std::size_t(k)]; }
-  const Keyframe& keyframe(int k) const { return keyframes_[std::size_t(slot(k))]; }
-  Keyframe& keyframe(int k) { return keyframes_[std::size_t(slot(k))]; }
-  const Keyframe& in_slot(int slot) const { return keyframes_[std::size_t(slot)]; }
-  Keyframe& keyframe_in(int slot) { return keyframes_[std::size_t(slot)]; }
+  int slot(int k) const { return keyframes_.slot(k); }
+  const Keyframe& keyframe(int k) const { return keyframes_[k]; }
+  Keyframe& keyframe(int k) { return keyframes_[k]; }
+  const Keyframe& in_slot(int slot) const { return keyframes_.in_slot(slot); }
+  Keyframe& keyframe_in(int slot) { return keyframes_.in_slot(slot); }
   /// Place in the order of the keyframe with that id, `none` of others.
-  int find(std::uint32_t id) const {
-    for (int k = size_ - 1; k >= 0 && keyframe(k).id >= id; --k) {
-      if (keyframe(k).id == id) return k;
-    }
-    return none;
-  }
+  int find(std::uint32_t id) const { return keyframes_.find(id); }
   Graph& graph() { return graph_; }
   const Graph& graph() const { return graph_; }
   const Sim3<S>& S_map_world() const { return S_map_world_; }
@@ -68,8 +61,8 @@ class PlaceGraph {
   /// A new keyframe, without features. False when there is no room or its pose is not finite.
   bool add(std::uint32_t id, TimeNs t_ns, const SE3<S>& T_world_body, const SE3<S>& T_body_cam,
            const Mat<S, 6, 6>& covariance) {
-    if (size_ == MaxKeyframes || !T_world_body.is_finite() || !all_finite(covariance)) return false;
-    Keyframe& added = keyframe(size_);
+    if (keyframes_.full() || !T_world_body.is_finite() || !all_finite(covariance)) return false;
+    Keyframe& added = keyframe(size());
     added.features.clear();
     added.id = id;
     added.world = world_;
@@ -80,22 +73,22 @@ class PlaceGraph {
     added.covariance = covariance;
     added.is_retired = false;
     added.is_fixed = added.is_known = false;
-    if (size_ == 0) {
+    if (size() == 0) {
       if (graph_.add_first(in_map(T_world_body)) != PoseGraphInsertion::inserted) return false;
     } else {
-      edges_.measure(in_order(), size_);
-      if (graph_.add_node(in_map(T_world_body), to_pose(added.T_before), of_edge(size_)) !=
+      edges_.measure(in_order(), size());
+      if (graph_.add_node(in_map(T_world_body), Poses::to_pose(added.T_before), of_edge(size())) !=
           PoseGraphInsertion::inserted)
         return false;
     }
-    ++size_;
-    edges_.carry_back(in_order(), size_ - 1);
+    keyframes_.append();
+    edges_.carry_back(in_order(), size() - 1);
     return true;
   }
   /// A keyframe of a saved map, after those before it; its features are to follow. False where its numbers are no pose.
   bool restore(const ArchivedKeyframe& archived) {
-    if (size_ == MaxKeyframes) return false;
-    Keyframe& restored = keyframe(size_);
+    if (keyframes_.full()) return false;
+    Keyframe& restored = keyframe(size());
     restored.features.clear();
     restored.id = archived.id;
     restored.world = archived.world;
@@ -107,19 +100,19 @@ class PlaceGraph {
     set_zero(restored.covariance);
     restored.is_moved = restored.is_new = false;
     restored.begins_mean = restored.is_retired = restored.is_fixed = true;
-    const Pose T_map_body = from_sim3(archived.S_map_body.template cast<S>());
-    const bool follows = size_ > 0 && keyframe(size_ - 1).world == restored.world;
+    const Pose T_map_body = Poses::from_sim3(archived.S_map_body.template cast<S>());
+    const bool follows = size() > 0 && keyframe(size() - 1).world == restored.world;
     const PoseGraphInsertion answer =
-        size_ == 0 ? graph_.add_first(T_map_body)
-                   : graph_.add_node(T_map_body, to_pose(restored.T_before),
-                                     of_increment(restored.Q, T_map_body, sigma_log_scale(follows)));
+        size() == 0 ? graph_.add_first(T_map_body)
+                    : graph_.add_node(T_map_body, Poses::to_pose(restored.T_before),
+                                      Poses::of_increment(restored.Q, T_map_body, sigma_log_scale(follows)));
     if (answer != PoseGraphInsertion::inserted) return false;
-    ++size_;
+    keyframes_.append();
     world_ = archived.world + 1;
     return true;
   }
   void clear() {
-    size_ = 0;
+    keyframes_.clear();
     world_ = 0;
     graph_.clear();
   }
@@ -142,7 +135,7 @@ class PlaceGraph {
     set_pose(id, T_world_body);
     const int k = find(id);
     if (k == none || keyframe(k).is_retired) return;
-    for (int edge = k; edge <= k + 1 && edge < size_; ++edge) {
+    for (int edge = k; edge <= k + 1 && edge < size(); ++edge) {
       if (edge == 0 || keyframe(edge).is_fixed) continue;
       edges_.measure(in_order(), edge);
       keyframe(edge).is_fixed = true;
@@ -153,29 +146,29 @@ class PlaceGraph {
   /// Brings the edges and poses of the pose graph up to date: what the window has moved a keyframe by since, moves it
   /// there, too. From the first loop on the first one is fixed. Not while the graph is solved.
   void update() {
-    for (int k = 1; k < size_; ++k) {
+    for (int k = 1; k < size(); ++k) {
       Keyframe& keyframe = this->keyframe(k);
       if (keyframe.is_fixed && !std::exchange(keyframe.is_new, false)) continue;
       if (!keyframe.is_fixed) edges_.measure(in_order(), k);
-      (void)graph_.set_odometry(k, to_pose(keyframe.T_before), of_edge(k));
+      (void)graph_.set_odometry(k, Poses::to_pose(keyframe.T_before), of_edge(k));
     }
-    graph_.set_poses(size_, [this](int k) {
+    graph_.set_poses(size(), [this](int k) {
       Keyframe& keyframe = this->keyframe(k);
       if (!keyframe.is_moved || (k == 0 && graph_.loops() > 0)) return graph_.pose(k);
       const SE3<S> moved = keyframe.T_world_body_in_graph.inverse() * keyframe.T_world_body;
-      return graph_.pose(k) * to_pose(moved);
+      return graph_.pose(k) * Poses::to_pose(moved);
     });
-    for (int k = 0; k < size_; ++k) account_for(keyframe(k));
+    for (int k = 0; k < size(); ++k) account_for(keyframe(k));
   }
   /// The keyframe that tells least: between whose neighbors the camera has moved least; `none` without one.
   int most_redundant() const {
     int best = none;
     S least = S(0);
-    for (int k = 1; k + 1 < size_; ++k) {
+    for (int k = 1; k + 1 < size(); ++k) {
       if (!keyframe(k).is_retired || !keyframe(k + 1).is_retired || keyframe(k - 1).world != keyframe(k + 1).world)
         continue;
       const SE3<S> T = keyframe(k - 1).T_world_body.inverse() * keyframe(k + 1).T_world_body;
-      const S motion = norm(T.p()) / mean_range(keyframe(k)) + norm(T.rotation().log());
+      const S motion = norm(T.p()) / keyframe(k).mean_range() + norm(T.rotation().log());
       if (best != none && !(motion < least)) continue;
       best = k;
       least = motion;
@@ -184,20 +177,19 @@ class PlaceGraph {
   }
   /// Removes a keyframe; those after it move up by one. False, and nothing changed, where the pose graph cannot.
   bool remove(int k) {
-    if (size_ == 1) {
+    if (size() == 1) {
       graph_.clear();
     } else if (!graph_.remove_node(k)) {
       return false;
     }
-    if (k > 0 && k + 1 < size_) {
+    if (k > 0 && k + 1 < size()) {
       Keyframe &gone = keyframe(k), &next = keyframe(k + 1);
       const Mat<S, 6, 6> Q = transported(gone.Q, SE3<S>(), next.T_before) + next.Q;
       next.T_before = gone.T_before * next.T_before;
       next.Q = Q;
       next.is_fixed = next.is_new = true;
     }
-    std::rotate(order_.begin() + k, order_.begin() + k + 1, order_.begin() + size_);
-    --size_;
+    keyframes_.remove(k);
     return true;
   }
   /// Its keyframes with all their loops.
@@ -206,41 +198,25 @@ class PlaceGraph {
       if (keyframe(graph_.loop(l).i).world == world_ || keyframe(graph_.loop(l).j).world == world_)
         graph_.remove_loop(l);
     }
-    while (size_ > 0 && keyframe(size_ - 1).world == world_ && remove(size_ - 1)) {
+    while (size() > 0 && keyframe(size() - 1).world == world_ && remove(size() - 1)) {
     }
   }
   void begin_world() { ++world_; }
   /// x_new = S_new_old x_old of the cameras in the present world, whose extrinsics become T_body_cam.
   void transform(const Sim3<S>& S_new_old, const SE3<S>& T_body_cam) {
-    const S s = S_new_old.scale();
-    for (int k = 0; k < size_; ++k) {
+    for (int k = 0; k < size(); ++k) {
       Keyframe& keyframe = this->keyframe(k);
       if (keyframe.world != world_) continue;
-      const SE3<S> T_world_cam = keyframe.T_world_body * keyframe.T_body_cam;
-      keyframe.T_world_body =
-          SE3<S>(S_new_old.rotation() * T_world_cam.rotation(), S_new_old * T_world_cam.p()) * T_body_cam.inverse();
-      keyframe.T_body_cam = T_body_cam;
+      keyframe.transform(S_new_old, T_body_cam);
       if (k > 0 && this->keyframe(k - 1).world == world_)
         keyframe.T_before = this->keyframe(k - 1).T_world_body.inverse() * keyframe.T_world_body;
-      for (int i = 0; i < 6; ++i) {
-        for (int j = 0; j < 6; ++j) {
-          const S by = (i < 3 ? S(1) : s) * (j < 3 ? S(1) : s);
-          keyframe.covariance(i, j) *= by;
-          keyframe.Q(i, j) *= by;
-        }
-      }
-      for (PlaceFeature& feature : keyframe.features) {
-        feature.range *= float(s);
-        feature.sigma_range *= float(s);
-      }
-      keyframe.is_new = true;
     }
     rebuild_poses();
   }
   /// The present world is put where its keyframe k has that pose in the map.
   void join(int k, const Pose& T_map_k) {
     const SE3<S>& T_world_k = keyframe(k).T_world_body;
-    S_map_world_ = to_sim3(T_map_k) * to_sim3(T_world_k).inverse();
+    S_map_world_ = Poses::to_sim3(T_map_k) * Poses::to_sim3(T_world_k).inverse();
     if constexpr (has_gravity) {  // turned about the vertical alone, about keyframe k
       const Mat<S, 3, 3> R = S_map_world_.rotation().matrix();
       const SO3<S> heading = SO3<S>::exp({S(0), S(0), std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1))});
@@ -251,7 +227,7 @@ class PlaceGraph {
   /// The pose graph has been solved: poses of the first `count` keyframes; `T_world_newest` was that of the last one.
   template <class PoseOf>
   void correct(int count, PoseOf&& pose_of, const SE3<S>& T_world_newest) {
-    S_map_world_ = to_sim3(pose_of(count - 1)) * to_sim3(T_world_newest).inverse();
+    S_map_world_ = Poses::to_sim3(pose_of(count - 1)) * Poses::to_sim3(T_world_newest).inverse();
     graph_.set_poses(count, pose_of);
   }
 
@@ -267,50 +243,11 @@ class PlaceGraph {
       (void)graph_.set_odometry(k, graph_.pose(k - 1).inverse() * graph_.pose(k), of_edge(k));
     }
     if (keyframe(count - 1).world == world_)
-      S_map_world_ = to_sim3(graph_.pose(count - 1)) * to_sim3(keyframe(count - 1).T_world_body).inverse();
+      S_map_world_ =
+          Poses::to_sim3(graph_.pose(count - 1)) * Poses::to_sim3(keyframe(count - 1).T_world_body).inverse();
   }
 
-  Pose in_map(const SE3<S>& T_world_body) const { return from_sim3(S_map_world_ * Sim3<S>(T_world_body)); }
-  static Pose from_sim3(const Sim3<S>& T) {
-    if constexpr (has_scale) {
-      return T;
-    } else {
-      return SE3<S>(T.rotation(), T.t());
-    }
-  }
-  static Pose to_pose(const SE3<S>& T, S scale = S(1)) {
-    if constexpr (has_scale) {
-      return Pose(scale, T.rotation(), T.p());
-    } else {
-      return T;
-    }
-  }
-  static Sim3<S> to_sim3(const auto& T) { return Sim3<S>(T); }
-  /// A covariance of a pose T_i_j, right increment, as that of an edge.
-  static Covariance of_increment(const Mat<S, 6, 6>& P, [[maybe_unused]] const Pose& T_map_j, S sigma_log_scale) {
-    if constexpr (has_gravity) {
-      const Mat<S, 4, 6> J = Residual::from_pose_increment(T_map_j);
-      return product_transposed(product(J, P), J);
-    } else if constexpr (has_scale) {
-      Covariance out = zeros<Covariance>();
-      set_block(out, 0, 0, P);
-      out(6, 6) = sigma_log_scale * sigma_log_scale;
-      return out;
-    } else {
-      return P;
-    }
-  }
-  /// Of the features with a range, in the unit of the keyframe's world; 1 without one.
-  static S mean_range(const auto& keyframe) {
-    S sum = S(0);
-    int n = 0;
-    for (const PlaceFeature& feature : keyframe.features) {
-      if (!feature.is_located()) continue;
-      sum += S(feature.range);
-      ++n;
-    }
-    return n > 0 ? sum / S(n) : S(1);
-  }
+  Pose in_map(const SE3<S>& T_world_body) const { return Poses::from_sim3(S_map_world_ * Sim3<S>(T_world_body)); }
 
  private:
   auto in_order() {
@@ -318,19 +255,19 @@ class PlaceGraph {
   }
   Covariance of_edge(int k) const {
     const bool is_connected = keyframe(k - 1).world == keyframe(k).world;
-    return of_increment(keyframe(k).Q, in_map(keyframe(k).T_world_body), sigma_log_scale(is_connected));
+    return Poses::of_increment(keyframe(k).Q, in_map(keyframe(k).T_world_body), sigma_log_scale(is_connected));
   }
   S sigma_log_scale(bool is_connected) const {
     return S(is_connected ? options_.sigma_log_scale : options_.unknown_log_scale);
   }
   /// Poses of the present world anew, from the window.
   void rebuild_poses() {
-    if (size_ == 0) return;
+    if (size() == 0) return;
     const auto pose_of = [this](int k) {
       return keyframe(k).world == world_ ? in_map(keyframe(k).T_world_body) : graph_.pose(k);
     };
-    graph_.set_poses(size_, pose_of);
-    for (int k = 0; k < size_; ++k) account_for(keyframe(k));
+    graph_.set_poses(size(), pose_of);
+    for (int k = 0; k < size(); ++k) account_for(keyframe(k));
   }
   static void account_for(Keyframe& keyframe) {
     keyframe.T_world_body_in_graph = keyframe.T_world_body;
@@ -338,11 +275,9 @@ class PlaceGraph {
   }
   PlaceGraphOptions options_;
   OdometryEdges<Keyframe> edges_;
-  int size_ = 0;
   std::uint32_t world_ = 0;
   Sim3<S> S_map_world_;
-  std::array<std::int16_t, std::size_t(MaxKeyframes)> order_;
-  std::array<Keyframe, std::size_t(MaxKeyframes)> keyframes_;
+  KeyframeSlots<Keyframe, MaxKeyframes> keyframes_;
   Graph graph_;
 };
 

@@ -9,6 +9,7 @@
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/core/time.hpp"
 #include "plumbline/lie/se3.hpp"
+#include "plumbline/lie/sim3.hpp"
 #include "plumbline/tracking/binary_descriptor.hpp"
 
 namespace plumbline {
@@ -49,6 +50,38 @@ struct PlaceKeyframe {
   bool is_known = false;     ///< the window has told `Q`
   bool is_fixed = false;     ///< `T_before` is final: this keyframe or the one before has retired
   FixedVector<PlaceFeature, MaxFeatures> features;
+
+  /// x_new = S_new_old x_old of its camera, whose extrinsics become T_body_cam_new; `T_before` is to follow.
+  void transform(const Sim3<S>& S_new_old, const SE3<S>& T_body_cam_new) {
+    const S s = S_new_old.scale();
+    const SE3<S> T_world_cam = T_world_body * T_body_cam;
+    T_world_body =
+        SE3<S>(S_new_old.rotation() * T_world_cam.rotation(), S_new_old * T_world_cam.p()) * T_body_cam_new.inverse();
+    T_body_cam = T_body_cam_new;
+    for (int i = 0; i < 6; ++i) {
+      for (int j = 0; j < 6; ++j) {
+        const S by = (i < 3 ? S(1) : s) * (j < 3 ? S(1) : s);
+        covariance(i, j) *= by;
+        Q(i, j) *= by;
+      }
+    }
+    for (PlaceFeature& feature : features) {
+      feature.range *= float(s);
+      feature.sigma_range *= float(s);
+    }
+    is_new = true;
+  }
+  /// Of the features with a range, in the unit of the keyframe's world; 1 without one.
+  S mean_range() const {
+    S sum = S(0);
+    int n = 0;
+    for (const PlaceFeature& feature : features) {
+      if (!feature.is_located()) continue;
+      sum += S(feature.range);
+      ++n;
+    }
+    return n > 0 ? sum / S(n) : S(1);
+  }
 };
 
 }  // namespace plumbline

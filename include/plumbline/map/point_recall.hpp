@@ -84,7 +84,7 @@ class PointRecall {
   };
 
   static Sim3<S> camera_in_map(const Places& places, int k) {
-    return Places::to_sim3(places.graph().pose(k)) * Sim3<S>(places.keyframe(k).T_body_cam);
+    return Places::Poses::to_sim3(places.graph().pose(k)) * Sim3<S>(places.keyframe(k).T_body_cam);
   }
   void choose(const Places& places, int k, const Sim3<S>& S_cam_map) {
     candidates_.clear();

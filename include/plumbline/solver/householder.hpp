@@ -4,7 +4,9 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 namespace plumbline {
@@ -62,6 +64,16 @@ void reflect(S tau, const S* v_tail, S& pivot, S* tail, int n) {
   const S w = tau * (pivot + dot(v_tail, tail, n));
   pivot -= w;
   subtract_scaled(w, v_tail, tail, n);
+}
+
+/// The same of a few rows of one number or some side by side, with the tail v of as many numbers.
+template <class S, class T, std::size_t R>
+void reflect_few(S tau, const std::array<S, R>& v, T& first, std::array<T, R>& rows) {
+  T w = first;
+  for (std::size_t i = 0; i < R; ++i) w += v[i] * rows[i];
+  w = tau * w;
+  first -= w;
+  for (std::size_t i = 0; i < R; ++i) rows[i] -= v[i] * w;
 }
 
 /// Two reflections that have their tails in the same rows, one after the other, in one pass over them:

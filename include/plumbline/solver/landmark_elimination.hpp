@@ -1,5 +1,5 @@
 #pragma once
-/// All whitened, robust-weighted rows [J_p J_l | r] of ONE landmark of LandmarkDim columns, eliminated by thin QR.
+/// Elimination of ONE landmark of LandmarkDim columns from all its rows [J_p J_l | r], by thin QR.
 ///                                                                                   docs/math/solver.md (10)-(12)
 ///   J_l = Q1 R1,   A = Q1^T J_p,   c = Q1^T r                                                                (10)
 ///   H += J_p^T J_p - A^T A,   b += J_p^T r - A^T c          the reduced system of the poses                  (11)
@@ -7,11 +7,9 @@
 /// Q1 comes from reflections of J_l, never from (J_l^T J_l)^-1: an ill-conditioned landmark does not square its
 /// condition number. Levenberg-Marquardt appends the rows sqrt(mu) D to J_l, D^2 = clip(diag J_l^T J_l) as in (7).
 ///
-/// The landmark is held by one block, its anchor, and a row is of the kind of RelativeEquations: it depends on the
-/// relative pose of another block and the anchor. Without an anchor a row depends on one block alone. J_p^T J_p,
-/// J_p^T r are sums over all landmarks of a pair of blocks and do not depend on mu; A is linear in the rows, and A^T A
-/// of rank LandmarkDim. Rows are stored as S, the arithmetic is that of Acc. Blocks of the normal equations may be
-/// larger than BlockDim: the rows then belong to their leading parameters.
+/// Rows are those of landmark_rows.hpp, stored as S; the arithmetic is that of Acc. J_p^T J_p, J_p^T r are sums over
+/// all landmarks of a pair of blocks and do not depend on mu; A is linear in the rows, and A^T A of rank LandmarkDim.
+/// Blocks of the normal equations may be larger than BlockDim: the rows then belong to their leading parameters.
 ///
 /// Per iteration: reset, add ..., add_to the pairs, then for each mu: eliminate, add_to the products of its anchor,
 /// (complete, absorb), (solve), back_substitute_relative. One landmark alone may as well be complete at once, with the
@@ -22,18 +20,17 @@
 ///   [ R1  A  0   | c ]        [ R1'  A'   B  | c'  ]
 ///   [ J_l J_p J_o | r ]   ->  [  0   J_p' J_o' | r' ]                                                        (13)
 
-#include <algorithm>
 #include <array>
 #include <bitset>
 #include <cmath>
-#include <cstdint>
+#include <cstddef>
 
-#include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/solver/anchored_products.hpp"
 #include "plumbline/solver/block_rows.hpp"
 #include "plumbline/solver/householder.hpp"
 #include "plumbline/solver/landmark_qr.hpp"
+#include "plumbline/solver/landmark_rows.hpp"
 #include "plumbline/solver/normal_equations.hpp"
 #include "plumbline/solver/relative_equations.hpp"
 
@@ -47,75 +44,45 @@ class LandmarkElimination {
   static constexpr int landmark_dim = LandmarkDim, block_dim = BlockDim, max_rows = MaxRows;
   static constexpr int no_anchor = -1;
 
-  LandmarkElimination() { reset(); }
+  void reset(int anchor = no_anchor) { rows_.reset(anchor); }
 
-  void reset(int anchor = no_anchor) {
-    PLUMBLINE_ASSERT(anchor >= no_anchor && anchor < MaxBlocks);
-    anchor_ = anchor;
-    rows_ = 0;
-    groups_.clear();
-  }
-
-  int rows() const { return rows_; }
-  int anchor() const { return anchor_; }
-  S residual(int k) const { return r_[k]; }
+  int rows() const { return rows_.size(); }
+  int anchor() const { return rows_.anchor(); }
+  S residual(int k) const { return rows_.residual(k); }
   /// Another right-hand side of the same rows; `add_to` and `eliminate` are next.
-  void set_residual(int k, S r) { r_[k] = r; }
+  void set_residual(int k, S r) { rows_.set_residual(k, r); }
   /// c of (10), of the last elimination.
   const Vec<Acc, LandmarkDim>& eliminated() const { return c_; }
 
-  /// Rows that see `block` from the anchor, already multiplied with sqrt(weight); J by the parameters of `block`.
-  /// False, and nothing kept, when full.
+  /// As LandmarkRows::add.
   template <int R>
   bool add(int block, const Mat<S, R, BlockDim>& J, const Mat<S, R, LandmarkDim>& J_l, const Vec<S, R>& r) {
-    PLUMBLINE_ASSERT(block >= 0 && block < MaxBlocks && block != anchor_);
-    if (rows_ + R > MaxRows) return false;
-    for (int k = 0; k < R; ++k) {
-      for (int c = 0; c < BlockDim; ++c) J_p_[rows_ + k][c] = J(k, c);
-    }
-    constexpr int at_once = R % max_group_rows == 0 ? max_group_rows : 2;
-    for (int k = 0; k < R; k += at_once) {
-      groups_.push_back({std::int16_t(block), std::int16_t(rows_ + k), std::int16_t(std::min(R - k, at_once))});
-    }
-    return add(J_l, r);
+    return rows_.add(block, J, J_l, r);
   }
-  /// Rows that touch no block (a depth measured in the anchor).
   template <int R>
   bool add(const Mat<S, R, LandmarkDim>& J_l, const Vec<S, R>& r) {
-    if (rows_ + R > MaxRows) return false;
-    for (int k = 0; k < R; ++k, ++rows_) {
-      for (int l = 0; l < LandmarkDim; ++l) J_l_[rows_][l] = J_l(k, l);
-      r_[rows_] = r[k];
-    }
-    return true;
+    return rows_.add(J_l, r);
   }
 
   /// The part J_p^T J_p, J_p^T r of (11).
-  void add_to(Pairs& pairs) const {
-    for (const Group& group : groups_) {
-      unrolled(group, [&]<int R>() {
-        pairs.template add<R>(anchor_ == no_anchor ? group.block : anchor_, group.block, J_p_[group.first_row].data(),
-                              &r_[group.first_row]);
-      });
-    }
-  }
+  void add_to(Pairs& pairs) const { rows_.add_to(pairs); }
 
   /// (10), but for the anchor's columns of A. False when the landmark is not determined (and mu is 0), or anything is
   /// not finite: leave it out then.
   bool eliminate(S mu) {
     mu_ = Acc(mu);
     Columns Q;
-    if (!qr_.factorize(J_l_, rows_, mu_, Q)) return false;
+    if (!qr_.factorize(rows_.J_l(), rows(), mu_, Q)) return false;
     set_zero(c_);
-    for (int k = 0; k < rows_; ++k) {
-      for (int l = 0; l < LandmarkDim; ++l) c_[l] += Acc(r_[k]) * Q[l][k];
+    for (int k = 0; k < rows(); ++k) {
+      for (int l = 0; l < LandmarkDim; ++l) c_[l] += Acc(residual(k)) * Q[l][k];
     }
     touched_.reset();
-    for (const Group& group : groups_) {
+    rows_.for_each_group([&]<int R>(const typename Rows::Group& group) {
       if (!touched_[group.block]) set_zero(A_[group.block]);
       touched_[group.block] = true;
-      unrolled(group, [&]<int R>() { add_products<R>(Q, group.first_row, &J_p_[group.first_row], A_[group.block]); });
-    }
+      add_products<R>(Q, group.first_row, rows_.J_p(group), A_[group.block]);
+    });
     return is_finite();
   }
   /// The anchor's columns too, with the transports of the pairs.
@@ -125,13 +92,13 @@ class LandmarkElimination {
     set_zero(A_a);
     for (int j = 0; j < MaxBlocks; ++j) {
       if (!touched_[j]) continue;
-      const typename Pairs::Block& M = pairs.transport(anchor_, j);
+      const typename Pairs::Block& M = pairs.transport(anchor(), j);
       for (int l = 0; l < LandmarkDim; ++l) A_a[l].noalias() -= M.transpose() * A_[j][l];
     }
-    A_[anchor_] = A_a;
-    touched_[anchor_] = true;
+    A_[anchor()] = A_a;
+    touched_[anchor()] = true;
   }
-  bool is_complete() const { return anchor_ == no_anchor || touched_[anchor_]; }
+  bool is_complete() const { return anchor() == no_anchor || touched_[anchor()]; }
   /// (10), complete.
   bool eliminate(S mu, const Pairs& pairs) {
     if (!eliminate(mu)) return false;
@@ -157,17 +124,17 @@ class LandmarkElimination {
     }
   }
 
-  /// (13), complete, after its products were taken: J_l by this landmark of `rows`, which keep what is left of them.
+  /// (13), complete, after its products were taken: J_l by this landmark of the rows `left`, which keep what remains.
   /// Returns B.
   template <std::size_t R, int OtherDim>
   Mat<Acc, LandmarkDim, OtherDim> absorb(std::array<Vec<Acc, LandmarkDim>, R> J_l,
-                                         BlockRows<Acc, R, BlockDim, MaxBlocks, OtherDim>& rows) {
+                                         BlockRows<Acc, R, BlockDim, MaxBlocks, OtherDim>& left) {
     for (int j = 0; j < MaxBlocks; ++j) {
-      if (touched_[j] && !rows.touched[j]) set_zero(rows.J[j]);
-      if (rows.touched[j] && !touched_[j]) set_zero(A_[j]);
+      if (touched_[j] && !left.touched[j]) set_zero(left.J[j]);
+      if (left.touched[j] && !touched_[j]) set_zero(A_[j]);
     }
-    touched_ |= rows.touched;
-    rows.touched = touched_;
+    touched_ |= left.touched;
+    left.touched = touched_;
     std::array<Vec<Acc, OtherDim>, LandmarkDim> B;
     set_zero(B);
     for (int k = 0; k < LandmarkDim; ++k) {
@@ -180,10 +147,10 @@ class LandmarkElimination {
       std::array<Acc, R> v;
       for (std::size_t i = 0; i < R; ++i) v[i] = scale * J_l[i][k];
       reflect_few(tau, v, qr_.row(k), J_l);
-      reflect_few(tau, v, c_[k], rows.r);
-      reflect_few(tau, v, B[k], rows.J_other);
+      reflect_few(tau, v, c_[k], left.r);
+      reflect_few(tau, v, B[k], left.J_other);
       for (int j = 0; j < MaxBlocks; ++j) {
-        if (touched_[j]) reflect_few(tau, v, A_[j][k], rows.J[j]);
+        if (touched_[j]) reflect_few(tau, v, A_[j][k], left.J[j]);
       }
     }
     Mat<Acc, LandmarkDim, OtherDim> out;
@@ -216,11 +183,11 @@ class LandmarkElimination {
 
   /// (J_l^T J_l)^-1: the landmark's covariance given the poses. False when it is not determined.
   bool covariance(Mat<S, LandmarkDim, LandmarkDim>& out) {
-    if (rows_ < LandmarkDim) return false;
+    if (rows() < LandmarkDim) return false;
     mu_ = Acc(0);
     Columns W;
     Column tau;
-    if (qr_.triangularize(J_l_, rows_, mu_, W, tau) == 0) return false;
+    if (qr_.triangularize(rows_.J_l(), rows(), mu_, W, tau) == 0) return false;
     std::array<Column, LandmarkDim> inverse;  // of R1, column by column
     for (int c = 0; c < LandmarkDim; ++c) {
       for (int l = 0; l < LandmarkDim; ++l) inverse[c][l] = Acc(l == c);
@@ -236,33 +203,10 @@ class LandmarkElimination {
     return all_finite(out);
   }
 
-  /// For marginalization: writes [J_l | J_p | r] to the upper left of `work`, at least rows() x (LandmarkDim + dim + 1)
-  /// with the right-hand side in its last column, and eliminates J_l without damping. Returns its rank k: rows
-  /// [k, rows()), columns [LandmarkDim, ...) are [Q2^T J_p | Q2^T r], Q2 the full orthogonal complement of J_l.
-  /// `write_more()` may write columns that no block has.
+  /// For marginalization: LandmarkRows::reduced.
   template <class D>
   int reduced_rows(Eigen::MatrixBase<D>& work, const Pairs& pairs, int stride, auto&& write_more) const {
-    using T = typename D::Scalar;
-    for (int k = 0; k < rows_; ++k) {
-      for (int c = LandmarkDim; c < int(work.cols()) - 1; ++c) work(k, c) = T(0);
-      for (int l = 0; l < LandmarkDim; ++l) work(k, l) = T(J_l_[k][l]);
-      work(k, work.cols() - 1) = T(r_[k]);
-    }
-    for (const Group& group : groups_) {
-      for (int k = group.first_row; k < group.first_row + group.rows; ++k) {
-        for (int c = 0; c < BlockDim; ++c) work(k, LandmarkDim + group.block * stride + c) = T(J_p_[k][c]);
-        if (anchor_ == no_anchor) continue;
-        const typename Pairs::Block& M = pairs.transport(anchor_, group.block);
-        for (int c = 0; c < BlockDim; ++c) {
-          T sum = T(0);
-          for (int m = 0; m < BlockDim; ++m) sum -= T(J_p_[k][m]) * T(M(m, c));
-          work(k, LandmarkDim + anchor_ * stride + c) = sum;
-        }
-      }
-    }
-    write_more();
-    return eliminate_leading_columns(work.derived().data(), rows_, int(work.cols()), int(work.derived().outerStride()),
-                                     LandmarkDim);
+    return rows_.reduced(work, pairs, stride, write_more);
   }
   template <class D>
   int reduced_rows(Eigen::MatrixBase<D>& work, const Pairs& pairs, int stride = BlockDim) const {
@@ -270,26 +214,12 @@ class LandmarkElimination {
   }
 
  private:
-  static constexpr int max_group_rows = 3;  // longer ones are split
-  struct Group {
-    std::int16_t block, first_row, rows;
-  };
+  using Rows = LandmarkRows<S, LandmarkDim, BlockDim, MaxBlocks, MaxRows>;
   using Qr = LandmarkQr<S, LandmarkDim, MaxRows, Acc>;
   using Column = typename Qr::Column;
   using Columns = typename Qr::Columns;
   /// Columns of A that belong to one block, row by row.
   using Strip = std::array<Vec<Acc, BlockDim>, LandmarkDim>;
-  using PoseRow = std::array<S, BlockDim>;
-
-  /// Calls visit<R>() for a group of R rows.
-  template <class Visit>
-  static void unrolled(const Group& group, Visit&& visit) {
-    switch (group.rows) {
-      case 1: return visit.template operator()<1>();
-      case 2: return visit.template operator()<2>();
-      default: return visit.template operator()<max_group_rows>();
-    }
-  }
 
   bool is_finite() const {
     Acc sum = c_.sum();
@@ -299,18 +229,9 @@ class LandmarkElimination {
     return std::isfinite(sum);
   }
 
-  /// One column, or some of them side by side, by the reflection I - tau [1; v] [1; v]^T.
-  template <class T, std::size_t R>
-  static void reflect_few(Acc tau, const std::array<Acc, R>& v, T& first, std::array<T, R>& rows) {
-    T w = first;
-    for (std::size_t i = 0; i < R; ++i) w += v[i] * rows[i];
-    w = tau * w;
-    first -= w;
-    for (std::size_t i = 0; i < R; ++i) rows[i] -= v[i] * w;
-  }
   /// A += sum_k q_k j_k^T over R rows.
   template <int R>
-  EIGEN_DONT_INLINE static void add_products(const Columns& Q, int first, const PoseRow* j, Strip& A) {
+  EIGEN_DONT_INLINE static void add_products(const Columns& Q, int first, const typename Rows::PoseRow* j, Strip& A) {
     std::array<Vec<Acc, BlockDim>, R> rows;
     for (int k = 0; k < R; ++k) {
       for (int c = 0; c < BlockDim; ++c) rows[k][c] = Acc(j[k][c]);
@@ -334,13 +255,9 @@ class LandmarkElimination {
     return dl;
   }
 
-  int rows_ = 0, anchor_ = no_anchor;
+  Rows rows_;
   Acc mu_ = Acc(0);
-  FixedVector<Group, MaxRows> groups_;
   std::bitset<MaxBlocks> touched_;  ///< blocks that A has columns of
-  std::array<PoseRow, MaxRows> J_p_;
-  std::array<std::array<S, LandmarkDim>, MaxRows> J_l_;
-  std::array<S, MaxRows> r_;
   std::array<Strip, MaxBlocks> A_;
   Qr qr_;
   Column c_;
