@@ -10,7 +10,6 @@
 #include <type_traits>
 
 #include "catch.hpp"
-#include "plumbline/backend/keyframe_rule.hpp"
 #include "plumbline/feature/features.hpp"
 #include "plumbline/feature/points.hpp"
 #include "plumbline/map/no_map.hpp"
@@ -85,7 +84,7 @@ struct Run {
   void make_room() {
     if (!backend->window().full()) return;
     NoMap::Discard<S> map;
-    backend->retire(rig, {}, *landmarks, KeyframeRule::leaving(backend->window(), S(3), false), map);
+    backend->retire(rig, {}, *landmarks, backend->window().oldest(), map);
     ++retirements;
   }
   LevenbergMarquardtSummary optimize() { return backend->optimize(rig, {}, *landmarks); }

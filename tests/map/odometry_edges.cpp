@@ -85,6 +85,28 @@ TEST_CASE("odometry_edges: what the window knows of an edge is taken") {
   CHECK(keyframes[1].Q(4, 4) == Approx(1e-2 + 1e-6));
 }
 
+TEST_CASE("odometry_edges: an edge that the window has not told yet has the mean of those before it") {
+  auto keyframes = line(8, [](int k) { return 1e-2 * k; });
+  for (const int k : {1, 2, 3, 4}) {
+    keyframes[std::size_t(k)].Q = isotropic(1e-6 * k);
+    keyframes[std::size_t(k)].is_known = true;
+  }
+  measure_all(keyframes, no_floor);
+  for (const int k : {5, 6, 7}) CHECK(keyframes[std::size_t(k)].Q(3, 3) == Approx(2.5e-6).epsilon(1e-9));
+
+  // Not over the border of a world, and not in place of the growth of an outage.
+  for (std::size_t k = 5; k < 8; ++k) keyframes[k].world = 1;
+  measure_all(keyframes, no_floor);
+  CHECK(keyframes[6].Q(3, 3) == Approx(1e-2).epsilon(1e-9));
+  for (std::size_t k = 5; k < 8; ++k) keyframes[k].world = 0;
+  for (std::size_t k = 6; k < 8; ++k) {
+    for (int n = 3; n < 6; ++n) keyframes[k].covariance(n, n) += 10;
+  }
+  measure_all(keyframes, no_floor);
+  CHECK(keyframes[6].begins_mean);
+  CHECK(keyframes[6].Q(3, 3) > 10);
+}
+
 TEST_CASE("odometry_edges: keyframes of the window are as certain as a newer one, retired ones stay") {
   auto keyframes = line(4, [](int k) { return k == 3 ? 1e-4 : 1e-2; });
   keyframes[0].is_retired = true;

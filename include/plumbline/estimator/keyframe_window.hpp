@@ -214,13 +214,9 @@ class KeyframeWindow {
 
  private:
   double motion_px() const { return landmarks_.motion_since(keyframe_); }
-  /// Retires a keyframe from a full window, so that there is a slot for the next frame.
+  /// Retires the oldest keyframe of a full window, so that there is a slot for the next frame.
   void make_room(const View<Sensors>& view) {
-    if (!frames().full()) return;
-    // The oldest one, where neighbors in time are connected: by scale without depth, by IMU factors.
-    constexpr bool in_order = Propagation::has_imu_factors || !Sensors::has_depth;
-    const int slot = KeyframeRule::leaving(frames(), mean_depth(), in_order);
-    backend_.retire(view.rig, view.T_body_cam, landmarks_, slot, map());
+    if (frames().full()) backend_.retire(view.rig, view.T_body_cam, landmarks_, frames().oldest(), map());
   }
   void drop_temporary() {
     if (temporary_ != none) backend_.drop(landmarks_, std::exchange(temporary_, none));

@@ -7,8 +7,8 @@
 /// observations, and grows less than this noise from keyframe to keyframe: (6a) is the mean growth over m keyframes. A
 /// growth from one to the next of 25 times the variance that those before it had is that of a visual outage: it is kept
 /// whole, m = 1, and the mean restarts. A keyframe of the window is as certain as a newer one moved to its place. A
-/// keyframe of a new world has an edge without information. Where the window knows the covariance of an edge (6), that
-/// is taken.
+/// keyframe of a new world has an edge without information. Where the window has told the covariance of an edge (6), as
+/// the older keyframe retires, that is taken; until then the mean of those it has told before.
 
 #include "plumbline/core/matrix.hpp"
 #include "plumbline/lie/se3.hpp"
@@ -20,7 +20,7 @@ namespace plumbline {
 struct OdometryEdgeOptions {
   double sigma_rotation = 3e-4;   ///< floor of an edge [rad]; geometry: a tenth of a pixel at 450 px
   double sigma_position = 1e-3;   ///< floor of an edge [m]
-  int mean_keyframes = 50;        ///< m of (6a) at most
+  int mean_keyframes = 50;        ///< m of (6a) at most, and edges of the mean of (6)
   double unknown_rotation = 10;   ///< sigma of an edge to a new world [rad]
   double unknown_position = 1e3;  ///< [m]
 };
@@ -38,10 +38,10 @@ class OdometryEdges {
   void measure(At&& at, int k) const {
     Keyframe& keyframe = at(k);
     const Keyframe& before = at(k - 1);
-    keyframe.begins_mean = false;
     keyframe.T_before = before.T_world_body.inverse() * keyframe.T_world_body;
     const Mat<S, 6, 6> of_window = keyframe.Q;
     set_zero(keyframe.Q);
+    keyframe.begins_mean = false;
     const bool is_connected = before.world == keyframe.world;
     if (is_connected) {
       const Keyframe& earlier = at(first_of_mean(at, k));
@@ -49,14 +49,15 @@ class OdometryEdges {
       keyframe.Q = (S(1) / m) * growth(earlier, keyframe);
       const Mat<S, 6, 6> alone = growth(before, keyframe);
       keyframe.growth = position_variance(alone);
-      if (is_outage(at, k)) {
-        keyframe.Q = alone;
-        keyframe.begins_mean = true;
+      keyframe.begins_mean = is_outage(at, k);
+      if (keyframe.is_known) {
+        keyframe.Q = of_window;
+        return;
       }
-      if (keyframe.is_known) keyframe.Q = of_window;
-    }
-    if (is_connected && keyframe.is_known) {
-      return;
+      if (keyframe.begins_mean)
+        keyframe.Q = alone;
+      else if (take_mean_of_known(at, k))
+        return;
     }
     const S rotation = S(is_connected ? options_.sigma_rotation : options_.unknown_rotation);
     const S position = S(is_connected ? options_.sigma_position : options_.unknown_position);
@@ -87,6 +88,22 @@ class OdometryEdges {
            !at(first).begins_mean)
       --first;
     return first;
+  }
+  /// Sets the covariance of edge k to the mean of those that the window has told of the edges before it, without
+  /// outages. False where there is none.
+  template <class At>
+  bool take_mean_of_known(At&& at, int k) const {
+    Mat<S, 6, 6> sum = zeros<S, 6, 6>();
+    int n = 0;
+    for (int before = k - 1; before > 0 && k - before <= options_.mean_keyframes; --before) {
+      const Keyframe& known = at(before);
+      if (known.world != at(k).world) break;
+      if (!known.is_known || known.begins_mean) continue;
+      sum += known.Q;
+      ++n;
+    }
+    if (n > 0) at(k).Q = (S(1) / S(n)) * sum;
+    return n > 0;
   }
   /// Whether keyframe k alone has grown more than noise explains.
   template <class At>
