@@ -36,7 +36,7 @@ struct CollinearOptions {
   /// Largest distance of a member to its segment [px]; corners are detected beside their edges;
   /// tuned: docs/decisions/047.
   float member_px = 4;
-  /// Fewest members of a line, at least two; a line with fewer is discarded. Measured: docs/decisions/146.
+  /// Fewest members of a line, at least two; a line with fewer is discarded; tuned: docs/decisions/146.
   std::size_t min_points = 2;
   /// Smallest distance of two shared members in both views of a line [px]; tuned: docs/decisions/136 (chosen).
   float separation_px = 10;
