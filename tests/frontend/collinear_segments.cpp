@@ -44,13 +44,13 @@ struct Run {
   std::unique_ptr<PointStore> points = std::make_unique<PointStore>(StoreOptions{});
   std::unique_ptr<LineStore> lines = std::make_unique<LineStore>(StoreOptions{});
   PointFlow<PointStore> flow{PointFlowOptions{}};
-  std::unique_ptr<CollinearSegments<LineStore>> segments =
-      std::make_unique<CollinearSegments<LineStore>>(CollinearOptions{});
+  std::unique_ptr<CollinearSegments<LineStore>> segments;
   FrameWindow<double, VisualLayout, slots> window;
   std::unique_ptr<std::array<RigPyramid<Sensors>, 2>> pyramids = std::make_unique<std::array<RigPyramid<Sensors>, 2>>();
   int current = 0;
 
-  Run() {
+  explicit Run(const CollinearOptions& options = {})
+      : segments(std::make_unique<CollinearSegments<LineStore>>(options)) {
     rig.vision.camera = room().camera;
     rig.vision.width = SimulatedRgbd::width;
     rig.vision.height = SimulatedRgbd::height;
@@ -224,4 +224,25 @@ TEST_CASE("collinear_segments: a line whose points are gone goes, too") {
   run.points->clear();
   run.track(1);
   REQUIRE(run.lines->landmarks().empty());
+}
+
+TEST_CASE("collinear_segments: lines with fewer points than asked for are not there") {
+  CollinearOptions options;
+  std::size_t all = 0, before = 0;
+  for (const std::size_t fewest : {2, 3, 4}) {
+    options.min_points = fewest;
+    Run run(options);
+    std::size_t lines = 0;
+    for (int i = 1; i <= 12; ++i) {
+      run.follow(i);
+      for (const auto& line : run.lines->landmarks())
+        REQUIRE((!line.current.valid || line.appearance.points.size() >= fewest));
+      lines += run.lines->landmarks().size();
+    }
+    REQUIRE(lines > 0);
+    if (all == 0) all = before = lines;
+    REQUIRE(lines <= before);
+    before = lines;
+  }
+  REQUIRE(before < all);
 }

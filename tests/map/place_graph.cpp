@@ -27,3 +27,11 @@ TEST_CASE("place_graph: a keyframe from before the camera had ranges is as certa
   }
   CHECK(std::sqrt(places->graph().odometry(1).covariance()(3, 3)) > 0.005);  // what the third one says of the second
 }
+
+TEST_CASE("place_graph: without keyframes there is nothing to bring up to date") {
+  using Places = PlaceGraph<RelativeSim3Residual<double>, 10, 8, 4>;
+  const auto places = std::make_unique<Places>(PlaceGraphOptions{});
+  places->update();  // a map is asked for frames before it has keyframes
+  CHECK(places->size() == 0);
+  CHECK(places->graph().nodes() == 0);
+}

@@ -36,6 +36,8 @@ struct CollinearOptions {
   /// Largest distance of a member to its segment [px]; corners are detected beside their edges;
   /// tuned: docs/decisions/047.
   float member_px = 4;
+  /// Fewest members of a line, at least two; a line with fewer is discarded; tuned: docs/decisions/146.
+  std::size_t min_points = 2;
   /// Smallest distance of two shared members in both views of a line [px]; tuned: docs/decisions/136 (chosen).
   float separation_px = 10;
   /// Largest distance between a segment and the projection of its line [px]; tuned: docs/decisions/048.
@@ -124,7 +126,7 @@ class CollinearSegments {
         }
         line->misses = 0;
         add_members(line->appearance.points, members);
-      } else if (store.seen_count() < options_.target_count) {
+      } else if (members.size() >= options_.min_points && store.seen_count() < options_.target_count) {
         Landmark landmark;
         landmark.current = seen;
         landmark.appearance.points = members;
@@ -144,13 +146,14 @@ class CollinearSegments {
 
   // ------------------------------------------------------------------------------------------------ members
 
-  /// Removes members that are no longer in their store; a line with fewer than two is discarded.
-  static void remove_lost_members(Landmark& landmark, const auto& points) {
+  /// Removes members that are no longer in their store; a line with too few is discarded.
+  void remove_lost_members(Landmark& landmark, const auto& points) const {
     Members& members = landmark.appearance.points;
     for (std::size_t k = members.size(); k-- > 0;) {
       if (index_of(points, members[k]) < 0) members.swap_remove(k);
     }
-    if (members.size() < 2) landmark.located = landmark.current.valid = false;
+    if (members.size() < std::max<std::size_t>(options_.min_points, 2))
+      landmark.located = landmark.current.valid = false;
   }
   static void add_members(Members& to, const Members& more) {
     for (const auto& member : more) {

@@ -146,6 +146,7 @@ class PlaceGraph {
   /// Brings the edges and poses of the pose graph up to date: what the window has moved a keyframe by since, moves it
   /// there, too. From the first loop on the first one is fixed. Not while the graph is solved.
   void update() {
+    if (size() == 0) return;
     for (int k = 1; k < size(); ++k) {
       Keyframe& keyframe = this->keyframe(k);
       if (keyframe.is_fixed && !std::exchange(keyframe.is_new, false)) continue;

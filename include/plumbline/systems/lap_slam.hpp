@@ -19,7 +19,7 @@
 ///   - ORB features matched from frame to frame; here optical flow, corrected by alignment with the anchor's patch, and
 ///     binary descriptors of keyframes for places alone
 ///   - a bag of words; here Hamming trees that grow with the run
-///   - relocalization by EPnP with line rows; here P3P on points (place_pose.hpp)
+///   - relocalization by EPnP with line rows; here P3P on points (place_pose.hpp): docs/decisions/145
 ///   - lines over all keyframes of the map; here those of the window
 ///   - the residual as a cross product of homogeneous coordinates, whose scale is not free; here math.md 6.2
 ///   - the local bundle adjustment estimates the poses alone from all observations; here what the window has measured
