@@ -15,6 +15,7 @@
 #include "plumbline/io/make_camera.hpp"
 #include "plumbline/opencv/mat_view.hpp"
 #include "runner.hpp"
+#include "snapshot_of.hpp"
 #include "steady_clock.hpp"
 
 /// The sensors as the calibration describes them; it must describe all that the type has.
@@ -152,6 +153,21 @@ class EstimatorRunner final : public Runner {
       const auto& loop = graph.loop(l);
       out.loops.push_back({map->places().keyframe(loop.i).t_ns, map->places().keyframe(loop.j).t_ns,
                            plumbline::Sim3<S>(loop.edge.residual.measured).template cast<double>()});
+    }
+    return out;
+  }
+
+  std::optional<MapSnapshot> map_snapshot(std::size_t most_points) const override {
+    const auto* map = estimator_->map().get();
+    if (!map) return std::nullopt;
+    MapSnapshot out = snapshot_of(*map, most_points);
+    if (!map->is_in_map()) return out;
+    const plumbline::Sim3<double> S_map_world = map->S_map_world().template cast<double>();
+    for (const MapFeature& feature : this->map()) {
+      if (!feature.is_line) continue;
+      const plumbline::Vec<float, 3> start = (S_map_world * feature.start).template cast<float>();
+      const plumbline::Vec<float, 3> end = (S_map_world * feature.end).template cast<float>();
+      out.lines.push_back({start.x(), start.y(), start.z(), end.x(), end.y(), end.z()});
     }
     return out;
   }

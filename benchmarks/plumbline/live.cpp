@@ -24,6 +24,7 @@
 #include "plumbline/io/calibration.hpp"
 #include "recording_options.hpp"
 #include "run_files.hpp"
+#include "run_map.hpp"
 #include "run_tally.hpp"
 #include "runner.hpp"
 #include "stream_message.hpp"
@@ -112,11 +113,15 @@ class Live {
   Live(const Configuration& configuration, const LiveOptions& options, const io::Calibration& calibration,
        const Connection& connection, LiveQueue& queue, RunFiles& files, LivePage* page)
       : depth_scale_(calibration.depth_scale),
-        runner_(configuration.make(calibration, options.with_map)),
-        output_(connection, options.format == "binary"),
+        runner_(configuration.make(
+            calibration, {options.with_map || options.loaded_map || options.saved_map, options.localize_only})),
+        output_(connection, options.format, runner_->map_summary().has_value()),
         queue_(queue),
         files_(files),
-        page_(page) {}
+        page_(page) {
+    if (options.loaded_map) load_map(*options.loaded_map, *runner_);
+    found_map_ = !options.loaded_map;
+  }
 
   /// Until the stream is over. Throws StreamError and Interrupted.
   void run() {
@@ -131,8 +136,19 @@ class Live {
   }
 
   const RunTally& tally() const { return tally_; }
+  /// False where no place of the loaded map was recognized.
+  bool has_found_map() const { return found_map_; }
+  std::optional<MapSummary> map_summary() const { return runner_->map_summary(); }
+  /// The run is over.
+  void finish() {
+    if (files_.has_map()) files_.add_map(runner_->saved_map());
+    if (page_) show_map();
+  }
 
  private:
+  void show_map() {
+    if (std::optional<MapSnapshot> map = runner_->map_snapshot(LivePage::most_points)) page_->set_map(std::move(*map));
+  }
   void add(const LiveFrame& frame) {
     say_dropped();
     Images images;
@@ -154,7 +170,11 @@ class Live {
     }
     if (result.has_sound_pose()) files_.add_pose(result.pose_ns(), result);
     output_.add(frame.stamp_ns, result, queue_.waiting());
-    if (page_) page_->add(result, result.has_sound_pose() && result.is_in_map, dropped_);
+    const bool is_in_trajectory = result.has_sound_pose() && result.is_in_map;
+    found_map_ = found_map_ || is_in_trajectory;
+    if (!page_) return;
+    if (page_->wants_map()) show_map();
+    page_->add(result, is_in_trajectory, dropped_);
   }
 
   /// Each time on the output; as a note when their number has doubled.
@@ -175,6 +195,7 @@ class Live {
   LiveQueue& queue_;
   RunFiles& files_;
   LivePage* page_;  // or none
+  bool found_map_ = true;
   RunTally tally_;
   std::size_t dropped_ = 0, noted_ = 0;
 };
@@ -184,6 +205,7 @@ void print_summary(const Live& live, const LiveQueue& queue) {
   const std::string waited =
       queue.sender_waited_s() > 0.01 ? format("; the sender waited %.1f s", queue.sender_waited_s()) : "";
   std::fprintf(stderr, "%s%s%s\n", live.tally().summary().c_str(), dropped.c_str(), waited.c_str());
+  if (const auto map = live.map_summary()) std::fprintf(stderr, "%s\n", summary_of(*map).c_str());
 }
 
 }  // namespace
@@ -194,9 +216,11 @@ int run_live(const LiveOptions& options) {
   std::optional<io::Calibration> calibration = calibration_of(options);
   RunPaths paths;
   paths.trajectory = options.trajectory;
+  paths.map = options.saved_map;
   std::vector<std::filesystem::path> inputs;
   for (const auto& file : {options.calibration, options.imu_calibration, options.mask})
     if (file) inputs.push_back(*file);
+  if (options.loaded_map && options.loaded_map != options.saved_map) inputs.push_back(*options.loaded_map);
   RunFiles files(paths, inputs);
 
   std::unique_ptr<LivePage> page;
@@ -229,7 +253,9 @@ int run_live(const LiveOptions& options) {
     }
     stop = true;
   }
+  live.finish();
   print_summary(live, queue);
+  if (!live.has_found_map()) print_notes({not_found_in(*options.loaded_map)});
   files.commit_all();
   if (page && !Interruptible::is_asked_to_stop()) {
     page->set_over();

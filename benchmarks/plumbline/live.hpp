@@ -13,12 +13,14 @@ struct LiveOptions {
   std::optional<std::filesystem::path> mask;                          ///< gray image, zero: not the scene
   double depth_scale = 0;                                             ///< instead of the calibration's; 0: as it is
   std::string address;          ///< port or path; empty: standard input and output
-  std::string format = "json";  ///< of estimates: json or binary
+  std::string format = "json";  ///< of estimates: json, binary or binary-map
   bool sender_waits = false;    ///< nothing is dropped
   std::size_t queue = 4;        ///< frames that wait, at most
   bool with_map = false;
+  std::optional<std::filesystem::path> loaded_map, saved_map;
+  bool localize_only = false;  ///< the loaded map is not changed
   std::optional<std::filesystem::path> trajectory;
-  std::optional<int> page;  ///< port of 127.0.0.1 of a page that shows the trajectory; 0: a free one
+  std::optional<int> page;  ///< port of 127.0.0.1 of a page that shows trajectory and map; 0: a free one
 };
 
 /// Prints a summary to stderr; returns the exit status 0. Throws std::runtime_error with a message of one line; what

@@ -1,6 +1,7 @@
 #include "live_output.hpp"
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "stream_message.hpp"
@@ -43,9 +44,32 @@ std::vector<std::uint8_t> payload_of(pl::TimeNs stamp_ns, const FrameOutput& out
   return out;
 }
 
+std::vector<std::uint8_t> map_payload_of(const FrameOutput& output) {
+  const pl::Sim3<double>& S = output.S_map_world;
+  std::vector<std::uint8_t> out;
+  append_number(out, 1u * output.is_in_map);
+  for (const int count : {output.map_counts.loops, output.map_counts.relocalizations, output.map_counts.corrections})
+    append_number(out, static_cast<std::uint32_t>(count));
+  append_number(out, S.scale());
+  for (int i = 0; i < 3; ++i) append_number(out, S.t()[i]);
+  for (int i = 0; i < 4; ++i) append_number(out, S.rotation().quaternion().coeffs()[i]);
+  return out;
+}
+
+nlohmann::ordered_json json_of_map(const FrameOutput& output) {
+  const pl::Sim3<double>& S = output.S_map_world;
+  return {{"is_in_map", output.is_in_map},
+          {"loops", output.map_counts.loops},
+          {"relocalizations", output.map_counts.relocalizations},
+          {"corrections", output.map_counts.corrections},
+          {"scale", S.scale()},
+          {"position", list_of(S.t())},
+          {"quaternion", list_of(S.rotation().quaternion().coeffs())}};
+}
+
 }  // namespace
 
-nlohmann::ordered_json json_of(pl::TimeNs stamp_ns, const FrameOutput& output, std::size_t waiting) {
+nlohmann::ordered_json json_of(pl::TimeNs stamp_ns, const FrameOutput& output, std::size_t waiting, bool has_map) {
   const pl::Estimate<double>& estimate = output.estimate;
   nlohmann::ordered_json out{{"stamp_ns", stamp_ns},
                              {"t_ns", output.pose_ns()},
@@ -58,6 +82,7 @@ nlohmann::ordered_json json_of(pl::TimeNs stamp_ns, const FrameOutput& output, s
                              {"resets", estimate.resets},
                              {"waiting", waiting},
                              {"total_ms", 1e3 * output.timing.total}};
+  if (has_map) out["map"] = json_of_map(output);
   if (!output.has_pose()) return out;
   const pl::SE3<double> T = output.T_map_body();
   out["position"] = list_of(T.p());
@@ -70,11 +95,14 @@ nlohmann::ordered_json json_of(pl::TimeNs stamp_ns, const FrameOutput& output, s
   return out;
 }
 
-void LiveOutput::add(pl::TimeNs stamp_ns, const FrameOutput& output, std::size_t waiting) const {
-  if (is_binary_)
-    connection_.write(bytes_of(MessageType::estimate, 0, payload_of(stamp_ns, output, waiting)));
-  else
-    write_line(json_of(stamp_ns, output, waiting));
+void LiveOutput::add(pl::TimeNs stamp_ns, const FrameOutput& output, std::size_t waiting) {
+  if (!is_binary_) return write_line(json_of(stamp_ns, output, waiting, tells_map_));
+  if (tells_map_) {
+    std::vector<std::uint8_t> map = map_payload_of(output);
+    if (map != map_) connection_.write(bytes_of(MessageType::map, 0, map));
+    map_ = std::move(map);
+  }
+  connection_.write(bytes_of(MessageType::estimate, 0, payload_of(stamp_ns, output, waiting)));
 }
 
 void LiveOutput::add_event(const nlohmann::ordered_json& event) const {

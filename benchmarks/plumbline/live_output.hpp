@@ -2,7 +2,10 @@
 /// What `plumbline live` says of each frame: one line of JSON, or one message in the framing of its input.
 ///                                                                                                  docs/guide/live.md
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -12,10 +15,12 @@
 
 class LiveOutput {
  public:
-  LiveOutput(const Connection& connection, bool is_binary) : connection_(connection), is_binary_(is_binary) {}
+  /// `format`: json, binary or binary-map, which is binary where there is no map.
+  LiveOutput(const Connection& connection, const std::string& format, bool has_map)
+      : connection_(connection), is_binary_(format != "json"), tells_map_(has_map && format != "binary") {}
 
   /// `waiting` frames had come since.
-  void add(plumbline::TimeNs stamp_ns, const FrameOutput& output, std::size_t waiting) const;
+  void add(plumbline::TimeNs stamp_ns, const FrameOutput& output, std::size_t waiting);
   /// Of a frame that gave no estimate, or of the run: {"event": ...}.
   void add_event(const nlohmann::ordered_json& event) const;
 
@@ -23,8 +28,10 @@ class LiveOutput {
   void write_line(const nlohmann::ordered_json& line) const;
 
   const Connection& connection_;
-  bool is_binary_;
+  bool is_binary_, tells_map_;
+  std::vector<std::uint8_t> map_;  // the last message about it
 };
 
 /// The line of a frame.
-nlohmann::ordered_json json_of(plumbline::TimeNs stamp_ns, const FrameOutput& output, std::size_t waiting);
+nlohmann::ordered_json json_of(plumbline::TimeNs stamp_ns, const FrameOutput& output, std::size_t waiting,
+                               bool has_map);

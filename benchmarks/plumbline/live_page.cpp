@@ -1,6 +1,8 @@
 #include "live_page.hpp"
 
+#include <algorithm>
 #include <charconv>
+#include <cstddef>
 #include <cstdio>
 #include <sstream>
 #include <stdexcept>
@@ -10,8 +12,16 @@
 #include <httplib.h>
 #endif
 
+#include "map_json.hpp"
 #include "misuse.hpp"
 #include "page.hpp"
+
+namespace {
+
+constexpr std::size_t most_of_answer = 10'000;      // poses
+constexpr std::size_t most_relocalizations = 1000;  // that the page shows
+
+}  // namespace
 
 #ifdef PLUMBLINE_HAS_HTTP
 
@@ -43,6 +53,10 @@ LivePage::LivePage(int port, std::string title, bool has_imu)
     const auto part = static_cast<std::uint32_t>(number_of(request, "part"));
     response.set_header("Cache-Control", "no-store");
     response.set_content(poses(number_of(request, "from"), part).dump(), "application/json");
+  });
+  http.Get("/map", [this](const httplib::Request& request, httplib::Response& response) {
+    response.set_header("Cache-Control", "no-store");
+    response.set_content(map(number_of(request, "version")).dump(), "application/json");
   });
   http.set_socket_options([](socket_t socket) {  // not SO_REUSEPORT, which lets two programs share a port
     const int yes = 1;
@@ -79,14 +93,30 @@ void LivePage::add(const FrameOutput& output, bool is_sound, std::size_t dropped
   health_ = name_of(output.health());
   reason_ = name_of(output.estimate.health.reason);
   total_ms_ = 1e3 * output.timing.total;
-  if (!is_sound || sound_++ % every_ != 0) return;
-  const plumbline::Vec<float, 3> p = output.T_map_body().p().cast<float>();
-  poses_.push_back({1e-9 * static_cast<double>(output.pose_ns()), p.x(), p.y(), p.z()});
+  if (!is_sound) return;
+  const Pose pose{1e-9 * static_cast<double>(output.pose_ns()), output.T_map_body().p().cast<float>(),
+                  output.estimate.T_world_body.p().cast<float>()};
+  if (output.map_counts.relocalizations > relocalized_ && relocalizations_.size() < most_relocalizations)
+    relocalizations_.push_back(pose);
+  relocalized_ = output.map_counts.relocalizations;
+  if (sound_++ % every_ != 0) return;
+  poses_.push_back(pose);
   if (poses_.size() < most_poses) return;
   for (std::size_t i = 0; 2 * i < poses_.size(); ++i) poses_[i] = poses_[2 * i];
   poses_.resize((poses_.size() + 1) / 2);
   every_ *= 2;
   ++part_;
+}
+
+bool LivePage::wants_map() const { return is_map_asked_ && Clock::now() - mapped_ >= std::chrono::seconds(1); }
+
+void LivePage::set_map(MapSnapshot map) {
+  auto present = std::make_shared<const MapSnapshot>(std::move(map));
+  is_map_asked_ = false;
+  mapped_ = Clock::now();
+  const std::lock_guard lock(mutex_);
+  map_.swap(present);
+  ++version_;
 }
 
 void LivePage::set_over() {
@@ -95,16 +125,52 @@ void LivePage::set_over() {
 }
 
 nlohmann::json LivePage::poses(std::size_t from, std::uint32_t part) const {
-  const std::lock_guard lock(mutex_);
-  const std::size_t begin = part == part_ && from <= poses_.size() ? from : 0;
-  nlohmann::json out{{"part", part_},     {"from", begin},     {"frames", frames_},     {"dropped", dropped_},
-                     {"health", health_}, {"reason", reason_}, {"total_ms", total_ms_}, {"is_over", is_over_}};
+  std::vector<Pose> some;
+  bool has_map = false;
+  nlohmann::json out;
+  {
+    const std::lock_guard lock(mutex_);
+    has_map = map_ != nullptr;
+    const std::size_t begin = part == part_ && from <= poses_.size() ? from : 0;
+    const std::size_t count = std::min(poses_.size() - begin, most_of_answer);
+    some.assign(poses_.begin() + static_cast<std::ptrdiff_t>(begin),
+                poses_.begin() + static_cast<std::ptrdiff_t>(begin + count));
+    out = {{"part", part_},         {"from", begin},       {"frames", frames_},
+           {"dropped", dropped_},   {"health", health_},   {"reason", reason_},
+           {"total_ms", total_ms_}, {"is_over", is_over_}, {"is_all", begin + count == poses_.size()},
+           {"has_map", has_map}};
+  }
   for (const char* name : {"t", "x", "y", "z"}) out[name] = nlohmann::json::array();
-  for (std::size_t i = begin; i < poses_.size(); ++i) {
-    out["t"].push_back(poses_[i].t_s);
-    out["x"].push_back(poses_[i].x);
-    out["y"].push_back(poses_[i].y);
-    out["z"].push_back(poses_[i].z);
+  for (const Pose& pose : some) {
+    out["t"].push_back(pose.t_s);
+    out["x"].push_back(pose.p_map.x());
+    out["y"].push_back(pose.p_map.y());
+    out["z"].push_back(pose.p_map.z());
+  }
+  if (!has_map) return out;
+  out["world"] = nlohmann::json::array();
+  for (const Pose& pose : some) out["world"].push_back({pose.p_world.x(), pose.p_world.y(), pose.p_world.z()});
+  return out;
+}
+
+nlohmann::json LivePage::map(std::uint64_t version) const {
+  is_map_asked_ = true;
+  std::shared_ptr<const MapSnapshot> map;
+  std::vector<Pose> relocalizations;
+  nlohmann::json out;
+  {
+    const std::lock_guard lock(mutex_);
+    out["version"] = version_;
+    if (version == version_ || !map_) return out;
+    map = map_;
+    relocalizations = relocalizations_;
+  }
+  out["map"] = json_of_snapshot(*map);
+  nlohmann::json& again =
+      out["map"]["relocalizations"] = {{"t", nlohmann::json::array()}, {"world", nlohmann::json::array()}};
+  for (const Pose& pose : relocalizations) {
+    again["t"].push_back(pose.t_s);
+    again["world"].push_back({pose.p_world.x(), pose.p_world.y(), pose.p_world.z()});
   }
   return out;
 }

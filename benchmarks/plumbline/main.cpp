@@ -226,16 +226,24 @@ void add_live(CLI::App& app, LiveOptions& options) {
   command->add_option("--listen", options.address,
                       "Port of 127.0.0.1 or path of a Unix socket for one sender, who gets the estimates, too; instead "
                       "of standard input and output");
-  command->add_option("--format", options.format, "Estimates as json (lines) or binary (messages)")
-      ->check(CLI::IsMember({"json", "binary"}))
+  command
+      ->add_option("--format", options.format,
+                   "Estimates as json (lines) or binary (messages); binary-map: with messages about the map")
+      ->check(CLI::IsMember({"json", "binary", "binary-map"}))
       ->capture_default_str();
   command->add_flag("--wait", options.sender_waits, "The sender waits where it is too fast; no frame is dropped");
   command->add_option("--queue", options.queue, "Frames that may wait; of more the oldest one is dropped")
       ->check(whole_number_from(2, 1000))
       ->capture_default_str();
   command->add_flag("--map", options.with_map, "Recognize places and close loops; poses are those in the map");
+  command->add_option("--save-map", options.saved_map, "Map to write at the end");
+  CLI::Option* load = command->add_option("--load-map", options.loaded_map,
+                                          "Saved map to begin with; poses are sound from where it is recognized on");
+  command->add_flag("--localize", options.localize_only, "The loaded map is not changed")->needs(load);
   command->add_option("--trajectory", options.trajectory, "Trajectory to write at the end, TUM format");
-  command->add_option("--page", options.page, "Port of 127.0.0.1 for a page that shows the trajectory as it grows")
+  command
+      ->add_option("--page", options.page,
+                   "Port of 127.0.0.1 for a page that shows the trajectory and, with a map, the map as they grow")
       ->check(whole_number_from(0, 65535));
 }
 

@@ -1,5 +1,7 @@
 #include "map_json.hpp"
 
+#include <vector>
+
 #include "compare_json.hpp"
 #include "covisibility.hpp"
 
@@ -7,9 +9,10 @@ namespace io = plumbline::io;
 namespace pl = plumbline;
 using nlohmann::json;
 
-json json_of_counts(const MapSummary& map) {
-  const pl::KeyframeMapCounts& n = map.counts;
-  return {{"keyframes", map.keyframes},
+namespace {
+
+json json_of_counts(int keyframes, const pl::KeyframeMapCounts& n) {
+  return {{"keyframes", keyframes},
           {"evicted", n.evicted},
           {"queries", n.queries},
           {"verified", n.verified},
@@ -22,6 +25,10 @@ json json_of_counts(const MapSummary& map) {
           {"frames_asked", n.frames_asked},
           {"frames_found", n.frames_found}};
 }
+
+}  // namespace
+
+json json_of_counts(const MapSummary& map) { return json_of_counts(map.keyframes, map.counts); }
 
 json json_of_points(const io::MapContents& map, std::size_t most, const pl::Sim3<double>& S_out_map) {
   std::size_t all = 0, i = 0;
@@ -55,4 +62,32 @@ json json_of_map(const io::MapContents& map) {
           {"loops", loops},
           {"covisible", covisible},
           {"points", json_of_points(map, most_points)}};
+}
+
+json json_of_snapshot(const MapSnapshot& map) {
+  json t = json::array(), x = t, y = t, z = t, world = t, loops = t, points = t, lines = t, times = t, corrections = t;
+  for (const MapSnapshot::Keyframe& keyframe : map.keyframes) {
+    const double t_s = 1e-9 * static_cast<double>(keyframe.t_ns);
+    const pl::Vec<double, 3>& p = keyframe.S_map_body.t();
+    t.push_back(t_s);
+    x.push_back(rounded(p.x(), 4));
+    y.push_back(rounded(p.y(), 4));
+    z.push_back(rounded(p.z(), 4));
+    world.push_back(keyframe.world);
+    if (keyframe.is_loaded) continue;
+    const pl::Sim3<double>& S = keyframe.S_map_world;
+    const auto& q = S.rotation().quaternion().coeffs();
+    times.push_back(t_s);
+    corrections.push_back(
+        rounded(std::vector<double>{S.scale(), q[0], q[1], q[2], q[3], S.t().x(), S.t().y(), S.t().z()}, 8));
+  }
+  for (const auto& [i, j] : map.loops) loops.push_back({i, j});
+  for (const auto& p : map.points) points.push_back(rounded(std::vector<double>{p.x(), p.y(), p.z()}, 3));
+  for (const auto& ends : map.lines) lines.push_back(rounded(std::vector<double>(ends.begin(), ends.end()), 3));
+  return {{"counts", json_of_counts(static_cast<int>(map.keyframes.size()), map.counts)},
+          {"keyframes", {{"t", t}, {"x", x}, {"y", y}, {"z", z}, {"world", world}}},
+          {"corrections", {{"t", times}, {"S_map_world", corrections}}},
+          {"loops", loops},
+          {"points", points},
+          {"lines", lines}};
 }

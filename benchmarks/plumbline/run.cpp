@@ -16,6 +16,7 @@
 #include "plumbline/opencv/image_file.hpp"
 #include "progress.hpp"
 #include "recording_check.hpp"
+#include "run_map.hpp"
 #include "run_tally.hpp"
 #include "runner.hpp"
 #include "unused_sensors.hpp"
@@ -41,12 +42,6 @@ void require_plausible(const pl::io::Recording& recording, const Needs& needs, b
   if (!error.empty()) throw std::runtime_error(error);
 }
 
-void load_map(const std::filesystem::path& file, Runner& runner) {
-  const std::vector<std::byte> bytes = pl::io::read_map_bytes(file);
-  if (const pl::MapArchiveError error = runner.load_map(bytes); error != pl::MapArchiveError::none)
-    throw pl::io::ReadError(file, 0, pl::name_of(error));
-}
-
 std::vector<std::filesystem::path> inputs_of(const pl::io::Recording& recording, const RunOptions& options) {
   std::vector<std::filesystem::path> inputs = recording.inputs();
   if (options.debug.reference) inputs.push_back(*options.debug.reference);
@@ -62,16 +57,6 @@ std::optional<DebugReport> open_debug(const RunOptions& options, const Configura
                               : recording.read_groundtruth(configuration.needs.imu).value_or(pl::io::Trajectory());
   return std::make_optional<DebugReport>(options.debug,
                                          std::string(configuration.name) + " on " + options.dataset.string(), truth);
-}
-
-std::string summary_of(const MapSummary& map) {
-  const pl::KeyframeMapCounts& n = map.counts;
-  return format(
-      "map: %d keyframes (%d evicted), %d places recognized of %d queries, %d loops, %d relocalizations, "
-      "%d corrections; refused: %d by the odometry, %d by gravity, "
-      "%d as ambiguous; %d points found again, %d local adjustments; %d of %d single frames found",
-      map.keyframes, n.evicted, n.verified, n.queries, n.loops, n.relocalizations, n.corrections, n.rejected_by_gate,
-      n.rejected_by_tilt, n.rejected_as_ambiguous, n.recalled, n.adjustments, n.frames_found, n.frames_asked);
 }
 
 }  // namespace
@@ -147,10 +132,7 @@ int run_configuration(const RunOptions& options) {
   if (files.has_map()) files.add_map(saved);
   files.commit_all();
   if (!found_map)
-    print_notes(
-        {options.loaded_map->string() +
-         ": no place of the map was recognized, and no pose is written in it; --trajectory-world has the poses in "
-         "the run's own world"});
+    print_notes({not_found_in(*options.loaded_map) + "; --trajectory-world has the poses in the run's own world"});
   std::vector<std::string> warnings;
   if (tally.is_never_tracking()) {
     if (configuration.needs.imu) warnings = excess_of_stated_noise(recording);

@@ -14,6 +14,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "inspection.hpp"
+#include "map_snapshot.hpp"
 #include "map_timing.hpp"
 #include "plumbline/core/result.hpp"
 #include "plumbline/core/time.hpp"
@@ -114,6 +115,8 @@ class Runner {
   virtual std::size_t bytes() const = 0;
   /// What there is to see of the latest frame.
   virtual Inspection inspect() const = 0;
+  /// Nothing without a map; at most so many points.
+  virtual std::optional<MapSnapshot> map_snapshot(std::size_t most_points) const = 0;
 };
 
 /// What a recording must have, or has, beside a camera.

@@ -22,6 +22,7 @@ const char* name_of(MessageType type) {
     case MessageType::end: return "end";
     case MessageType::estimate: return "estimate";
     case MessageType::event: return "event";
+    case MessageType::map: return "map";
   }
   return "unknown";
 }

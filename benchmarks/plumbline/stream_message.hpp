@@ -15,7 +15,7 @@
 #include <type_traits>
 #include <vector>
 
-enum class MessageType : std::uint8_t { calibration = 1, imu, frame, depth, end, estimate = 16, event };
+enum class MessageType : std::uint8_t { calibration = 1, imu, frame, depth, end, estimate = 16, event, map };
 
 struct Message {
   static constexpr std::size_t header_size = 16, max_length = 64 << 20;

@@ -5,12 +5,14 @@ live.py PROGRAM RECORDING CLIENT: three seconds of the simulated room, 320 x 240
 
 import importlib.util
 import json
+import math
 import random
 import shutil
 import struct
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 import urllib.error
@@ -225,6 +227,160 @@ class Page(Live):
     def get(self, address):
         with urllib.request.urlopen(address, timeout=10) as answer:
             return json.loads(answer.read())
+
+
+def messages_of(stream):
+    """(place, type) of each."""
+    at = 0
+    while at < len(stream):
+        _, _, kind, _, length, _ = struct.unpack("<4sBBHII", stream[at : at + 16])
+        yield at, kind
+        at += 16 + length
+
+
+def moved(similarity, p):
+    """s R p + t of [s, quaternion x y z w, t]."""
+    s, x, y, z, w, *t = similarity
+    a, b, c = (2 * value for value in (y * p[2] - z * p[1], z * p[0] - x * p[2], x * p[1] - y * p[0]))
+    turned = p[0] + w * a + y * c - z * b, p[1] + w * b + z * a - x * c, p[2] + w * c + x * b - y * a
+    return [s * value + shift for value, shift in zip(turned, t)]
+
+
+class Map(Live):
+    """A lap of the room (13.75 s), and part of the second one: loops between both."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.root = Path(tempfile.mkdtemp())
+        cls.addClassCleanup(shutil.rmtree, cls.root)
+        cls.loop = cls.root / "loop"
+        subprocess.run([program, "simulate", "--scene", "room", "--out", cls.loop, "--duration", "20", "--size", "320",
+                        "240"], check=True, capture_output=True)
+        cls.stream = stream_of(cls.loop)
+
+    def test_page_shows_the_map(self):
+        process = self.start("--wait", "--map", "--page", "0", stdin=subprocess.PIPE)
+        note = process.stderr.readline().decode()
+        if "built without pages" in note:
+            self.skipTest(note)
+        address = note.split()[-1]
+        frames = [at for at, kind in messages_of(self.stream) if kind == live_client.FRAME]
+        sizes, lines = [], []
+
+        def send(first, last):
+            """Frames of these numbers; their estimates have come."""
+            end = frames[last] if last < len(frames) else len(self.stream)
+            part = self.stream[frames[first] if first else 0 : end]
+            sender = threading.Thread(target=lambda: (process.stdin.write(part), process.stdin.flush()))
+            sender.start()
+            lines.extend(json.loads(process.stdout.readline()) for _ in range(first, last))
+            sender.join()
+
+        def look(version):
+            with urllib.request.urlopen(f"{address}map?version={version}", timeout=10) as answer:
+                data = answer.read()
+            sizes.append(len(data))
+            return json.loads(data)
+
+        seen, sent = [], 0
+        for count in 60, 160:  # the frame a second after a page has asked gives it the map
+            send(sent, count)
+            version = look(0)["version"]
+            time.sleep(1.1)
+            send(count, count + 1)
+            for _ in range(100):
+                now = look(version)
+                if "map" in now:
+                    break
+                time.sleep(0.05)
+            self.assertEqual(look(now["version"]), {"version": now["version"]})
+            seen.append(now["map"])
+            sent = count + 1
+        send(sent, len(frames))
+        process.stdin.close()
+        for _ in range(100):
+            with urllib.request.urlopen(address + "poses?from=0&part=0", timeout=10) as answer:
+                poses = json.loads(answer.read())
+            if poses["is_over"]:
+                break
+            time.sleep(0.1)
+        last, before, rounding = look(0)["map"], seen[1], 2e-4
+        keyframes = [len(now["keyframes"]["t"]) for now in (*seen, last)]
+        self.assertEqual(keyframes, sorted(set(keyframes)))
+        for axis in "txyz", ["world"]:
+            self.assertEqual({len(last["keyframes"][name]) for name in axis}, {keyframes[-1]})
+        self.assertEqual(seen[0]["loops"], [])
+        self.assertGreater(len(last["points"]), 100)
+        self.assertLessEqual(len(last["points"]), 6000)
+        self.assertLess(max(sizes), 400_000)
+
+        self.assertGreater(len(last["loops"]), 0)
+        longest = []
+        for now in before, last:
+            times = now["keyframes"]["t"]
+            longest.append(max(times[j] - times[i] for i, j in now["loops"]))
+        self.assertTrue(longest[0] < 2 and longest[1] > 10, longest)
+        places = {t: p for t, *p in zip(*(last["keyframes"][axis] for axis in "txyz"))}
+        shifts = [math.dist(p, places[t]) for t, *p in zip(*(before["keyframes"][axis] for axis in "txyz"))]
+        self.assertGreater(max(shifts), rounding)
+
+        self.assertTrue(lines[-1]["map"]["is_in_map"])
+        self.assertGreater(lines[-1]["map"]["loops"], 0)
+        self.assertEqual(lines[0]["map"]["loops"], 0)
+        self.assertEqual(lines[0]["map"]["quaternion"], [0, 0, 0, 1])
+
+        # Poses with the corrections are those that `run` writes at its end.
+        final = self.folder / "final.tum"
+        self.by_run(depth_config, self.loop, "--map", "--trajectory-final", final)
+        rows = [list(map(float, row.split())) for row in final.read_text().splitlines()]
+        self.assertEqual(len(rows), len(poses["t"]))
+        corrections, k = last["corrections"], 0
+        for t, world, row in zip(poses["t"], poses["world"], rows):
+            while k + 1 < len(corrections["t"]) and corrections["t"][k + 1] <= t:
+                k += 1
+            self.assertLess(math.dist(moved(corrections["S_map_world"][k], world), row[1:4]), 1e-5)
+        causal = zip(poses["x"], poses["y"], poses["z"])
+        self.assertGreater(max(math.dist(row[1:4], p) for row, p in zip(rows, causal)), rounding)
+        process.terminate()
+        process.stderr.read()
+        self.assertEqual(process.wait(timeout=30), 0)
+
+    def test_binary_map(self):
+        out, at, kinds = live(self.stream, "--wait", "--map", "--format", "binary-map").stdout, 0, []
+        maps = []
+        while at < len(out):
+            _, _, kind, _, length, _ = struct.unpack("<4sBBHII", out[at : at + 16])
+            if kind == 18:
+                self.assertEqual(length, 80)
+                maps.append(struct.unpack("<4I8d", out[at + 16 : at + 16 + length]))
+            kinds.append(kind)
+            at += 16 + length
+        self.assertEqual(kinds[0], 18)
+        self.assertEqual(kinds.count(16), 400)
+        self.assertEqual(maps[0], (1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1))
+        self.assertGreater(maps[-1][1], 0)
+        self.assertEqual(len(maps), len(set(maps)))
+
+    def test_saved_and_loaded(self):
+        saved, out = self.folder / "room.map", self.folder / "found.tum"
+        done = live(self.stream, "--wait", "--save-map", saved)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn(b"map: ", done.stderr)
+        by_run = self.folder / "run.map"
+        self.by_run(depth_config, self.loop, "--save-map", by_run)
+        self.assertEqual(saved.read_bytes(), by_run.read_bytes())
+        done = live(self.stream, "--wait", "--load-map", saved, "--localize", "--trajectory", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(saved.read_bytes(), by_run.read_bytes())
+        lines = estimates(done.stdout)
+        self.assertFalse(lines[0]["map"]["is_in_map"] or lines[0]["is_sound"])
+        self.assertTrue(lines[-1]["map"]["is_in_map"] and lines[-1]["is_sound"])
+        self.assertEqual(lines[-1]["map"]["relocalizations"], 1)
+        self.assertEqual(out.read_text().splitlines(), [tum(line) for line in lines if line["is_sound"]])
+        self.assertEqual(live(b"", "--localize").returncode, 2)
+        odd = live(self.stream, "--load-map", self.loop / "rgb.txt")
+        self.assertEqual(odd.returncode, 1)
+        self.assertIn(b"rgb.txt: not a map", odd.stderr)
 
 
 class Faults(Live):

@@ -46,6 +46,7 @@ class RecordingRunner final : public Runner {
   MapArchiveError load_map(std::span<const std::byte>) override { return {}; }
   std::vector<std::byte> saved_map() override { return {}; }
   std::optional<MapSummary> map_summary() const override { return {}; }
+  std::optional<MapSnapshot> map_snapshot(std::size_t) const override { return {}; }
   FeatureCounts seen() const override { return {}; }
   std::size_t bytes() const override { return 0; }
   Inspection inspect() const override { return {}; }

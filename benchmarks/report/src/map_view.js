@@ -9,24 +9,36 @@ const counts = {
   loops: 'Loops', corrections: 'Corrections', relocalizations: 'Relocalizations',
   frames_asked: 'Single frames sought', frames_found: 'Single frames found',
 };
-const trajectories = ['truth', 'odometry', 'causal', 'final'];
+const trajectories = ['truth', 'odometry', 'causal', 'corrected', 'final'];
 
 /// What can be drawn: name, color, and whether it is drawn at first.
 const all_layers = [
-  ['truth', '--ink', true], ['odometry', '--muted', true], ['causal', '--stage-1', true], ['final', '--stage-2', true],
-  ['keyframes', '--accent', true], ['loops', '--lost', true], ['relocalizations', '--stage-3', true], ['points', '--initializing', true], ['covisibility', '--tracking', false],
+  ['truth', '--ink', true], ['odometry', '--muted', true], ['causal', '--stage-1', true], ['corrected', '--stage-2', true], ['final', '--stage-2', true],
+  ['keyframes', '--accent', true], ['loops', '--lost', true], ['relocalizations', '--stage-3', true], ['points', '--initializing', true], ['lines', '--degraded', true], ['covisibility', '--tracking', false],
 ];
 
 export class MapView {
-  /// `map` as in the data of the page; `redraw` when a reader has chosen other layers.
-  constructor(map, redraw) {
+  /// `map` as in the data of the page; `redraw` when a reader has chosen other layers; `hidden`: layers not drawn at first.
+  constructor(map, redraw, hidden = []) {
+    this.redraw = redraw;
+    this.shown = Object.fromEntries(all_layers.map(([name, , shown]) => [name, shown && !hidden.includes(name)]));
+    this.layers = [];
+    this.set(map);
+  }
+
+  /// Another map, with the layers that a reader has chosen; `controls` are new ones where there are other layers.
+  set(map) {
     this.map = map;
-    const there = { keyframes: map.keyframes.x.length, loops: map.loops.length, points: map.points.length, covisibility: map.covisible.length };
+    const there = { keyframes: map.keyframes.x.length, loops: map.loops.length, points: map.points.length, lines: map.lines?.length, covisibility: map.covisible.length };
     for (const name of [...trajectories, 'relocalizations']) there[name] = map[name]?.t.length ?? 0;
-    this.layers = all_layers.filter(([name]) => there[name]);
-    this.shown = Object.fromEntries(this.layers.map(([name, , shown]) => [name, shown]));
-    this.controls = this.layers.map(([name, color, shown]) =>
-      checkbox([element('i', { class: 'dot', style: `--color:var(${color})` }), name], shown, value => { this.shown[name] = value; redraw(); }));
+    const layers = all_layers.filter(([name]) => there[name]);
+    if (this.controls && layers.join() === this.layers.join()) return;
+    this.layers = layers;
+    this.controls = layers.map(([name, color]) =>
+      checkbox([element('i', { class: 'dot', style: `--color:var(${color})` }), name], this.shown[name], value => { this.shown[name] = value; this.redraw(); }));
+  }
+  draws(layer) {
+    return this.shown[layer] && this.layers.some(([name]) => name === layer);
   }
 
   color(layer) {
@@ -51,16 +63,17 @@ export class MapView {
 
   /// As of viewer.js.
   scene() {
-    const { map, shown } = this, paths = [], points = [], segments = [];
-    const widths = { truth: 1.2, odometry: 1.5, causal: 1.5, final: 2.5 };
-    for (const name of ['odometry', 'causal', 'final', 'truth'])
-      if (shown[name]) paths.push({ name, ...map[name], color: this.color(name), width: widths[name], dash: name === 'odometry' ? [6, 4] : [], on_top: name === 'truth' });
-    if (!trajectories.some(name => map[name]) && shown.keyframes) paths.push(...this.keyframe_paths());
-    if (shown.points) points.push({ positions: map.points, color: this.color('points'), opacity: 0.55 });
-    if (shown.keyframes) points.push({ positions: map.keyframes.x.map((_, i) => this.keyframe(i)), color: this.color('keyframes'), size: 5, opacity: 1 });
-    if (shown.relocalizations) points.push({ positions: map.relocalizations.x.map((x, i) => [x, map.relocalizations.y[i], map.relocalizations.z[i]]), color: this.color('relocalizations'), size: 11, opacity: 1 });
-    if (shown.covisibility) segments.push({ ends: this.edges(map.covisible), color: this.color('covisibility'), opacity: 0.5 });
-    if (shown.loops) segments.push({ ends: this.edges(map.loops), color: this.color('loops'), opacity: 1, width: 1.5 });
+    const { map } = this, paths = [], points = [], segments = [];
+    const widths = { truth: 1.2, odometry: 1.5, causal: 1.5, corrected: 2.5, final: 2.5 };
+    for (const name of ['odometry', 'causal', 'corrected', 'final', 'truth'])
+      if (this.draws(name)) paths.push({ name, ...map[name], color: this.color(name), width: widths[name], dash: name === 'odometry' ? [6, 4] : [], on_top: name === 'truth' });
+    if (!trajectories.some(name => map[name]) && this.draws('keyframes')) paths.push(...this.keyframe_paths());
+    if (this.draws('points')) points.push({ positions: map.points, color: this.color('points'), opacity: 0.55 });
+    if (this.draws('keyframes')) points.push({ positions: map.keyframes.x.map((_, i) => this.keyframe(i)), color: this.color('keyframes'), size: 5, opacity: 1 });
+    if (this.draws('relocalizations')) points.push({ positions: map.relocalizations.x.map((x, i) => [x, map.relocalizations.y[i], map.relocalizations.z[i]]), color: this.color('relocalizations'), size: 11, opacity: 1 });
+    if (this.draws('lines')) segments.push({ ends: map.lines, color: this.color('lines'), opacity: 0.8 });
+    if (this.draws('covisibility')) segments.push({ ends: this.edges(map.covisible), color: this.color('covisibility'), opacity: 0.5 });
+    if (this.draws('loops')) segments.push({ ends: this.edges(map.loops), color: this.color('loops'), opacity: 1, width: 1.5 });
     return { paths, points, segments, frame: [...trajectories.filter(name => map[name]?.t.length).map(name => map[name]), map.keyframes] };
   }
 
