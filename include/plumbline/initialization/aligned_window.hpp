@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "plumbline/core/elementary.hpp"
+#include "plumbline/core/matrix.hpp"
 #include "plumbline/solver/levenberg_marquardt.hpp"
 
 namespace plumbline {
