@@ -1,6 +1,6 @@
 #pragma once
-/// Growth of the covariance of a pose that no image observes: constant unknown errors of rate and velocity, and a random
-/// walk of the position. With an IMU the noise of its increment is added by the caller.
+/// Growth of the covariance of a pose that no image observes: constant unknown errors of rate and velocity, and a
+/// random walk of the position. With an IMU the noise of its increment is added by the caller.
 ///                                                                              docs/math/inertial_window.md (1f)
 ///   P(T) = P(T - t) + diag(w^2 (T^2 - (T - t)^2) I, (q^2 t + v^2 (T^2 - (T - t)^2)) I)
 /// T: time since the last observation, t: the part of it that is added. The parts of any division of T add up to the
