@@ -156,7 +156,7 @@ class ByHand {
     window().set_latest(slot);
     adopt(view, slot);
     if (!window().full()) return;
-    backend_.retire(rig_, T_body_cam_, landmarks_, KeyframeRule::leaving(window(), mean_depth(), false), map_);
+    backend_.retire(rig_, T_body_cam_, landmarks_, window().oldest(), map_);
   }
   S mean_depth() {
     S inverse_sum = S(0);
