@@ -23,7 +23,7 @@ using Sensors = Rig<Mono<Pinhole<double>, max_pixels>>;
 static_assert(
     std::same_as<Slam, Estimator<Sensors, Features<Points<400>, Collinear<100>>, SlidingWindow<10>, NoClock, Map>>);
 static_assert(!Sensors::has_depth && !Sensors::has_imu);
-static_assert(std::remove_cvref_t<decltype(std::declval<Slam&>().map())>::has_points);
+static_assert(std::remove_cvref_t<decltype(std::declval<Slam&>().map())>::Core::has_points);
 
 /// Root mean square of the position error after alignment with scale.
 double error_of(const std::vector<Vec<double, 3>>& estimated, const std::vector<Vec<double, 3>>& truth) {
