@@ -124,7 +124,9 @@ class BackendRun {
     const int slot = backend_->insert(t_ns_, x, factor());
     observe(slot, keyframe);
     if (frames_ % (options_.keyframes_per_position * options_.frames_per_keyframe) == 0) measure_position(slot);
+    const SE3<double> before = first_estimate_of_oldest();
     backend_->optimize(rig_, T_body_cam(), *landmarks_, keyframe);
+    T_moved_ = first_estimate_of_oldest() * before.inverse() * T_moved_;
     state_ = backend_->window()[slot].state.value();
     locate();
     const FrameError out = error();
@@ -205,7 +207,7 @@ class BackendRun {
     const Mat<double, 3, 3> R_body_world = T.R().transpose();
     const Vec<double, 3> up = Vec<double, 3>::UnitZ();
     Mat<double, 6, 4> N = Mat<double, 6, 4>::Zero();
-    N.col(0) << R_body_world * up, R_body_world * up.cross(Vec<double, 3>(T.p() - T_start_.p()));
+    N.col(0) << R_body_world * up, R_body_world * up.cross(Vec<double, 3>(T.p() - T_moved_ * T_start_.p()));
     N.bottomRightCorner<3, 3>() = R_body_world;
     Mat<S, 6, 6> C = Mat<S, 6, 6>::Identity();
     if (!backend_->covariance_of_newest(C)) return Vec<double, 4>::Constant(std::nan(""));
@@ -229,6 +231,11 @@ class BackendRun {
   static constexpr double first_s = 2.5;  ///< the path has left its stationarity
   static constexpr int samples_per_frame = 10;
 
+  /// A prior refers to it: it moves with the whole window alone, (7) of window.md.
+  SE3<double> first_estimate_of_oldest() const {
+    const auto& window = backend_->window();
+    return window[window.oldest()].state.first_estimate().T_world_body.template cast<double>();
+  }
   static testing::ImuQuality quality(double noise) {
     testing::ImuQuality out;
     out.noise.gyro_density *= noise;
@@ -458,6 +465,7 @@ class BackendRun {
   SampleBoundary<S> keyframe_cut_;
   TimeNs t_ns_ = 0;
   SE3<double> T_start_;  ///< initial estimate of the first keyframe
+  SE3<double> T_moved_;  ///< by which the window was moved as a whole since
   NavState<S> state_;    ///< of the latest frame
   Preintegration<S> since_frame_;
   ImuIntervals<S> since_keyframe_;

@@ -43,6 +43,7 @@ struct Run {
   std::unique_ptr<Landmarks> landmarks = std::make_unique<Landmarks>(StoreOptions{});
   std::unique_ptr<Backend> backend;
   SE3<double> T_start;  ///< initial estimate of the first keyframe
+  SE3<double> T_moved;  ///< by which the window was moved as a whole since, (7)
   int keyframes = 0, retirements = 0;
   LevenbergMarquardtSummary summary;
 
@@ -78,7 +79,9 @@ struct Run {
       }
       points.observe(store, T, slot, noise);
     });
+    const SE3<double> before = first_estimate_of_oldest();
     summary = optimize();
+    T_moved = first_estimate_of_oldest() * before.inverse() * T_moved;
     ++keyframes;
   }
   void make_room() {
@@ -95,6 +98,10 @@ struct Run {
     }
   }
 
+  /// A prior refers to it: it moves with the whole window alone.
+  SE3<double> first_estimate_of_oldest() const {
+    return backend->window()[backend->window().oldest()].state.first_estimate().T_world_body.template cast<double>();
+  }
   SE3<double> truth() const { return pose_at(keyframes - 1, turn); }
   SE3<double> estimate() const {
     return backend->window().T_world_body(backend->window().newest()).template cast<double>();
@@ -113,7 +120,8 @@ struct Run {
   Mat<double, 6, 6> covariance_of_the_whole() const {
     const SE3<double> T_newest =
         backend->window()[backend->window().newest()].state.first_estimate().T_world_body.template cast<double>();
-    const Mat<double, 6, 6> Ad = (T_newest.inverse() * T_start.template cast<S>().template cast<double>()).adjoint();
+    const Mat<double, 6, 6> Ad =
+        (T_newest.inverse() * T_moved * T_start.template cast<S>().template cast<double>()).adjoint();
     const double sigma = options.sigma_first_position;
     return sigma * sigma * Ad * Ad.transpose();
   }
@@ -202,6 +210,27 @@ TEST_CASE("window_backend: a distance that defines the unit of length is known f
   CHECK(run.summary.initial_cost == Approx(cost).epsilon(1e-6));  // the distance is as it is
   CHECK(sigma(along) == Approx(held).epsilon(0.05));
   CHECK(sigma(across) > 0.5 * sigma_across);
+}
+
+TEMPLATE_TEST_CASE("window_backend: the oldest keyframe holds the window in its world", "", float, double) {
+  using S = TestType;
+  constexpr double tolerance = std::is_same_v<S, float> ? 2e-6 : 1e-12;
+  Run<S> run(11, 1);
+  const auto& window = run.backend->window();
+  for (int k = 0; k < 30; ++k) {
+    run.make_room();
+    const SE3<S> oldest = k > 0 ? window.T_world_body(window.oldest()) : SE3<S>();
+    run.add_keyframe();
+    if (k == 0) continue;
+    REQUIRE(run.summary.accepted > 0);
+    REQUIRE(minus(window.T_world_body(window.oldest()), oldest).norm() < tolerance);
+    // All residuals are those of the solution.
+    LevenbergMarquardtOptions none;
+    none.max_iterations = 0;
+    const LevenbergMarquardtSummary again = run.backend->optimize(run.rig, {}, *run.landmarks, none);
+    REQUIRE(again.initial_cost == Approx(run.summary.final_cost).epsilon(1e4 * tolerance));
+  }
+  REQUIRE(run.retirements > 20);
 }
 
 TEST_CASE("window_backend: the same input gives the same output to the last bit") {

@@ -101,6 +101,29 @@ TEMPLATE_TEST_CASE("frame_window: a pose without a prior keeps that relative pos
   require_related(3, 0);
 }
 
+TEMPLATE_TEST_CASE("frame_window: in another world corrections and relative poses are the same", "", float, double) {
+  using S = TestType;
+  const S tolerance = std::is_same_v<S, float> ? S(4e-6) : S(1e-12);
+  FrameWindow<S, VisualLayout, 3> window;
+  window.insert(1, {pose(0).cast<S>()});
+  window.state(0).fix_first_estimates();
+  window.state(0).add(Vec<S, 6>::Constant(S(0.1)));
+  window.insert(2, {pose(1).cast<S>()});
+  const FrameWindow<S, VisualLayout, 3> before = window;
+  const SE3<S> G = pose(2).cast<S>();
+  window.transform(G);
+  for (int k = 0; k < 2; ++k) {
+    REQUIRE(minus(window.T_world_body(k), G * before.T_world_body(k)).norm() < tolerance);
+    REQUIRE(window[k].state.correction() == before[k].state.correction());
+    const auto& pose_k = window[k].state.template get<state::Pose>();
+    REQUIRE(minus(plus(pose_k.first_estimate(), pose_k.correction()), pose_k.value()).norm() < tolerance);
+  }
+  window.state(0).add(Vec<S, 6>::Constant(S(0.01)));  // the next step is the same, too
+  FrameWindow<S, VisualLayout, 3> moved = before;
+  moved.state(0).add(Vec<S, 6>::Constant(S(0.01)));
+  REQUIRE(minus(window.T_world_body(0), G * moved.T_world_body(0)).norm() < tolerance);
+}
+
 TEST_CASE("frame_window: only poses take over how far the window has moved") {
   FrameWindow<double, InertialLayout, 3> window;
   NavState<double> x;

@@ -66,6 +66,7 @@ class WindowBackend {
     window_.clear();
     factors_.deactivate();
     frame_factors_.clear();
+    is_world_measured_ = false;
     retired_ns_ = t_ns;
     const int slot = insert(t_ns, x, {});
     prior_.set(window_, slot, pose_gauge<Layout>(options_));
@@ -86,6 +87,7 @@ class WindowBackend {
       if (window_[k].used) window_.state(k) = typename Window::State(state_of(k));
     }
     frame_factors_.clear();
+    is_world_measured_ = false;
     factors_.reintegrate(window_);
     factors_.initialize_velocities(window_);
     factors_.activate();
@@ -117,8 +119,10 @@ class WindowBackend {
   template <class G>
   bool add_factor(int slot, const G& factor) requires FrameFactorsT::template takes<G> {
     const auto& state = window_[slot].state;
-    return window_[slot].used && factor.linearize(state.value(), state.first_estimate()).valid &&
-           frame_factors_.insert(slot, factor);
+    const bool added = window_[slot].used && factor.linearize(state.value(), state.first_estimate()).valid &&
+                       frame_factors_.insert(slot, factor);
+    is_world_measured_ |= added;
+    return added;
   }
 
   /// Removes a frame that is no anchor and that no prior refers to, without leaving information.
@@ -139,6 +143,8 @@ class WindowBackend {
   LevenbergMarquardtSummary optimize(const Sensors& rig, const SE3<S>& T_body_cam, Landmarks& landmarks,
                                      const LevenbergMarquardtOptions& solver) {
     if (factors_.active()) factors_.reintegrate(window_);
+    const int oldest = window_.oldest();
+    const SE3<S> T_oldest = window_.T_world_body(oldest);
     equations_.order(window_);
     rig_prior_.update_hold(window_);
     Problem problem{*this, rig, landmarks, T_body_cam};
@@ -146,6 +152,10 @@ class WindowBackend {
     ties_.choose(landmarks, views_);
     const LevenbergMarquardtSummary summary = levenberg_marquardt(problem, solver);
     ties_.finish(landmarks, views_);
+    if (summary.accepted > 0 && !is_world_measured_) {
+      hold_world(oldest, T_oldest);
+      views_.update(window_, T_body_cam);
+    }
     // Linearized once more for the covariance: at the solution, and without the damping of landmarks.
     begin_linearization();
     landmarks.for_each_with(
@@ -229,6 +239,14 @@ class WindowBackend {
     return cost;
   }
 
+  /// Moves the window as a whole, so that the frame in `slot` has the pose that it had, with velocities its position.
+  ///                                                                                            docs/math/window.md (7)
+  void hold_world(int slot, const SE3<S>& T_before) {
+    const SE3<S>& T = window_.T_world_body(slot);
+    SO3<S> R;
+    if constexpr (!Layout::template has<state::Velocity>) R = T_before.rotation() * T.rotation().inverse();
+    window_.transform(SE3<S>(R, T_before.p() - R * T.p()));
+  }
   void begin_linearization() {
     equations_.pairs.reset();
     views_.set_transports(window_, equations_.pairs);
@@ -243,7 +261,8 @@ class WindowBackend {
   [[no_unique_address]] RigPrior<Layout> rig_prior_;
   WindowEquations<Window> equations_;
   AllTerms terms_;
-  TimeNs retired_ns_ = 0;  ///< time stamp of the frame that was retired last
+  bool is_world_measured_ = false;  ///< by a factor of a frame since the start
+  TimeNs retired_ns_ = 0;           ///< time stamp of the frame that was retired last
   [[no_unique_address]] LandmarkTies<Landmarks> ties_;
 };
 

@@ -191,7 +191,7 @@ class KeyframeWindow {
     propagation.begin_factor();
     is_latest_keyframe_ = true;
     const bool has_covariance = backend_.covariance_of_newest(keyframe_covariance_);
-    map_updates_.adopt(slot, frames(), landmarks_, view.current, view.depth, view.T_body_cam,
+    map_updates_.adopt(slot, frames(), landmarks_, view.current, view.depth, view.shutter, view.T_body_cam,
                        keyframe_covariance_ + navigation.world().at(x.T_world_body));
     if (Propagation::has_imu_factors && !propagation.is_initialized())
       return;  // its world frame is not that of the navigation
@@ -225,7 +225,10 @@ class KeyframeWindow {
   void keep_temporary(const View<Sensors>& view) {
     if (temporary_ != none) {
       keyframe_ = std::exchange(temporary_, none);
-      map_updates_.adopt(keyframe_, frames(), landmarks_, view.previous, {}, view.T_body_cam, keyframe_covariance_);
+      RigShutter<Sensors> shutter = view.shutter;
+      shutter.set_motion(zeros<S, 3>(), zeros<S, 3>(), S(0));  // at rest
+      map_updates_.adopt(keyframe_, frames(), landmarks_, view.previous, {}, shutter, view.T_body_cam,
+                         keyframe_covariance_);
     }
     make_room(view);
   }

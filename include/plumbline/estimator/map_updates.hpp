@@ -35,10 +35,11 @@ class MapUpdates {
 
   /// The frame in `slot` has become a keyframe. It is told once: the last one of an initialization is adopted twice.
   void adopt(int slot, const Frames& frames, const Landmarks& landmarks, const RigPyramid<Sensors>& image,
-             const ImageView<const std::uint16_t>& depth, const SE3<S>& T_body_cam, const Mat<S, 6, 6>& covariance) {
+             const ImageView<const std::uint16_t>& depth, const RigShutter<Sensors>& shutter, const SE3<S>& T_body_cam,
+             const Mat<S, 6, 6>& covariance) {
     if (std::exchange(adopted_, frames[slot].sequence) == frames[slot].sequence) return;
-    map_.on_keyframe(
-        AdoptedKeyframe<Frames, Sensors, Landmarks>(slot, frames, image, depth, T_body_cam, covariance, landmarks));
+    map_.on_keyframe(AdoptedKeyframe<Frames, Sensors, Landmarks>(slot, frames, image, depth, shutter, T_body_cam,
+                                                                 covariance, landmarks));
   }
 
   /// Poses are in another world and unit from now on, x_new = S_new_old x_old.

@@ -15,6 +15,10 @@ namespace plumbline {
 template <SensorRig Sensors>
 using RigPyramid = Pyramid<4, decltype(Sensors::vision)::max_pixels>;
 
+/// The shutter of the camera of a rig, for one frame.
+template <SensorRig Sensors>
+using RigShutter = typename Sensors::Shutter::template Model<typename Sensors::Camera>;
+
 template <SensorRig Sensors>
 struct View {
   using S = typename Sensors::Scalar;
@@ -27,7 +31,7 @@ struct View {
   ImageView<const std::uint16_t> depth;  ///< of the current frame; empty without a depth sensor or depth image
   SE3<S> T_world_previous;               ///< pose of the body at the previous image
   SE3<S> T_body_cam;
-  typename Sensors::Shutter::template Model<typename Sensors::Camera> shutter;  ///< of the current frame
+  RigShutter<Sensors> shutter;           ///< of the current frame
 
   const typename Sensors::Camera& camera() const { return rig.vision.camera; }
 

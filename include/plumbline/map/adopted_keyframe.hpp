@@ -20,13 +20,14 @@ class AdoptedKeyframe {
   using S = typename Sensors::Scalar;
 
   AdoptedKeyframe(int slot, const Frames& frames, const RigPyramid<Sensors>& pyramid,
-                  const ImageView<const std::uint16_t>& depth_image, const SE3<S>& T_body_camera,
-                  const Mat<S, 6, 6>& pose_covariance, const Landmarks& landmarks)
+                  const ImageView<const std::uint16_t>& depth_image, const RigShutter<Sensors>& rows,
+                  const SE3<S>& T_body_camera, const Mat<S, 6, 6>& pose_covariance, const Landmarks& landmarks)
       : sequence(frames[slot].sequence),
         t_ns(frames[slot].t_ns),
         x(frames[slot].state.value()),
         image(pyramid),
         depth(depth_image),
+        shutter(rows),
         T_body_cam(T_body_camera),
         covariance(pose_covariance),
         slot_(slot),
@@ -38,6 +39,7 @@ class AdoptedKeyframe {
   const State x;  ///< present estimate; the window moves it until the frame retires
   const RigPyramid<Sensors>& image;
   const ImageView<const std::uint16_t> depth;  ///< empty without a depth image
+  const RigShutter<Sensors> shutter;           ///< with the motion of the camera
   const SE3<S> T_body_cam;
   const Mat<S, 6, 6> covariance;  ///< of the pose in its world, right increment [rad, m]
 

@@ -19,6 +19,7 @@
 #include "plumbline/map/keyframe_map_core.hpp"
 #include "plumbline/map/keyframe_map_counts.hpp"
 #include "plumbline/map/keyframe_map_options.hpp"
+#include "plumbline/map/loop_alignment.hpp"
 #include "plumbline/map/map_archive.hpp"
 #include "plumbline/map/place_keyframe.hpp"
 #include "plumbline/map/place_learner.hpp"
@@ -38,9 +39,11 @@ using PlaceResidual =
                        std::conditional_t<Sensors::has_depth, RelativePoseResidual<typename Sensors::Scalar>,
                                           RelativeSim3Residual<typename Sensors::Scalar>>>;
 
+/// MaxPatches of each keyframe make loops exact (loop_alignment.hpp); 0: none are kept, and no image.
 /// FindsPoints: points of the map are found again in new keyframes, and a local bundle adjustment follows. Off: in one
 /// of four recordings of a camera alone poses become three times worse, docs/decisions/141.
-template <int MaxKeyframes, std::size_t MaxFeatures = 200, int MaxLoops = 40, bool FindsPoints = false>
+template <int MaxKeyframes, std::size_t MaxFeatures = 200, int MaxLoops = 40, bool FindsPoints = false,
+          std::size_t MaxPatches = MaxFeatures / 5>
 struct KeyframeMap {
   using Options = KeyframeMapOptions;
 
@@ -57,7 +60,8 @@ struct KeyframeMap {
           is_read_only_(options.localize_only),
           learner_(rig, options),
           frame_learner_(rig, options),
-          recall_(rig, options.recall) {}
+          recall_(rig, options.recall),
+          alignment_(rig, options.alignment) {}
 
     /// See keyframe_map_core.hpp.
     const Places& places() const { return core_.places(); }
@@ -69,7 +73,10 @@ struct KeyframeMap {
     int loaded() const { return core_.loaded(); }
     bool is_in_map() const { return core_.is_in_map(); }
     Stage stage() const { return core_.stage(); }
-    void work() { core_.work(); }
+    void work() {
+      core_.work(
+          [this](int slot, const auto& old, const SE3<S>& T, auto&& visit) { alignment_.align(slot, old, T, visit); });
+    }
 
     void on_keyframe(const auto& keyframe) {
       keyframe.for_each_frame([this](std::uint32_t id, const SE3<S>& T) { core_.set_pose(id, T); });
@@ -81,7 +88,9 @@ struct KeyframeMap {
         if (!is_read_only_) recall(keyframe, *learned);
       }
       learner_.learn_corners(keyframe, *learned);
-      core_.finish_keyframe();
+      alignment_.learn(core_.places().slot(core_.places().size() - 1), *learned, keyframe.image,
+                       [this](std::size_t n) { return learner_.pixel(n); });
+      if (core_.finish_keyframe()) alignment_.set_image(keyframe.image, keyframe.shutter);
     }
     void on_retired(const auto& retired) {
       retired.for_each_neighbor([this](std::uint32_t a, std::uint32_t b, const Mat<S, 6, 6>& covariance) {
@@ -95,7 +104,7 @@ struct KeyframeMap {
     void on_world_change(const WorldChange<S>& change) { core_.change_world(change); }
     /// See found_frame.hpp.
     bool find_frame(const auto& view, const SO3<S>& R_cur_prev, FoundFrame<S>& found) requires Core::finds_frames {
-      frame_learner_.learn_frame(view.current, view.depth, core_.begin_frame());
+      frame_learner_.learn_frame(view, core_.begin_frame());
       return core_.find_frame(view, R_cur_prev, found);
     }
 
@@ -136,6 +145,7 @@ struct KeyframeMap {
     PlaceLearner<Sensors, MaxFeatures> learner_;
     std::conditional_t<Core::finds_frames, PlaceLearner<Sensors, 2 * MaxFeatures>, NoFrameLocalizer> frame_learner_;
     std::conditional_t<Core::has_points, PointRecall<Sensors, Places, MaxFeatures / 2>, NoRecall> recall_;
+    std::conditional_t<MaxPatches == 0, NoLoopAlignment, LoopAlignment<Sensors, MaxKeyframes, MaxPatches>> alignment_;
   };
   template <class Parts>
   using Map = MapOf<typename Parts::Sensors>;

@@ -102,9 +102,12 @@ class KeyframeMapCore {
     if (places().size() == MaxKeyframes) evict();
     return kept_.begin(id, t_ns, T_world_body, T_body_cam, covariance);
   }
-  void finish_keyframe() {
+  /// True where its places will be asked for.
+  bool finish_keyframe() {
     const Keyframe& keyframe = kept_.finish();
-    if (stage_ == Stage::query) wanted_ = keyframe.id;
+    if (stage_ != Stage::query) return false;
+    wanted_ = keyframe.id;
+    return true;
   }
   Keyframe* retire(std::uint32_t id, const SE3<S>& T_world_body) {
     Keyframe* const retired = kept_.retire(id, T_world_body);
@@ -133,15 +136,19 @@ class KeyframeMapCore {
 
   /// What work() does next.
   Stage stage() const { return stage_; }
-  /// One slice: a query, a candidate, or a part of the solution.
-  void work() {
+  /// One slice: a query, a candidate, or a part of the solution. `align(slot, keyframe, T, visit)`: place_pose.hpp, for the
+  /// keyframe in that slot and the last one for which `finish_keyframe` was true.
+  void work(const auto& align) {
     is_frame_found_ = false;
     switch (stage_) {
       case Stage::query: return query();
-      case Stage::verify: return verify();
+      case Stage::verify: return verify(align);
       case Stage::solve: return solve();
       case Stage::adjust: return adjust();
     }
+  }
+  void work() {
+    work([](auto&&...) {});
   }
 
   /// A frame to be given its features; `find_frame` follows.
@@ -209,14 +216,14 @@ class KeyframeMapCore {
     if (candidates_.any()) stage_ = Stage::verify;
   }
 
-  void verify() {
+  void verify(const auto& align) {
     Places& places = kept_.places();
     const int j = candidates_.asked(places);
     if (j == none || candidates_.all_taken()) return end_query();
     const int i = candidates_.take(places, j);
     if (i == none) return;
     Loop loop;
-    if (!finder_.find(places, i, j, loop, counts_)) return;
+    if (!finder_.find(places, i, j, loop, counts_, align)) return;
     ++counts_.verified;
     const bool has_agreed = finder_.agrees(places, last_, loop);
     if (has_agreed && !options_.localize_only) points().join(places, i, j, finder_.matches());

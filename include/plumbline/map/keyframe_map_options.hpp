@@ -3,6 +3,7 @@
 
 #include "plumbline/map/frame_localizer.hpp"
 #include "plumbline/map/local_adjustment.hpp"
+#include "plumbline/map/loop_alignment.hpp"
 #include "plumbline/map/loop_gate.hpp"
 #include "plumbline/map/place_graph.hpp"
 #include "plumbline/map/place_pose.hpp"
@@ -15,6 +16,7 @@ struct KeyframeMapOptions {
   PlaceGraphOptions graph;
   PlacePoseOptions pose;
   OrbFeatureOptions features;
+  LoopAlignmentOptions alignment;
   LoopGateOptions gate{.rejected_share = 1e-4, .covariance_inflation = 1};
   bool localize_only = false;  ///< the map that was taken in is not changed
   float min_score = 0.003f;    ///< of a candidate, place_recognition.md (12)

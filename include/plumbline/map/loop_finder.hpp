@@ -50,7 +50,7 @@ class LoopFinder {
   explicit LoopFinder(const KeyframeMapOptions& options) : options_(options) {}
 
   /// The loop between the keyframes i and j, verified and tested alone.
-  bool find(const Places& places, int i, int j, Loop& loop, KeyframeMapCounts& counts) {
+  bool find(const Places& places, int i, int j, Loop& loop, KeyframeMapCounts& counts, const auto& align) {
     const Keyframe &old = places.keyframe(i), &current = places.keyframe(j);
     const Pose between = places.graph().pose(i).inverse() * places.graph().pose(j);
     const Sim3<S> S_old_current = Places::Poses::to_sim3(between);
@@ -60,7 +60,8 @@ class LoopFinder {
                  R_current = current.T_world_body.rotation() * current.T_body_cam.rotation();
     const PlaceVertical<S> vertical{R_old, R_current.inverse() * Vec<S, 3>(0, 0, 1)};
     const PlacePose<S>& pose =
-        pose_solver_.solve(old, current, prior, options_.pose, Places::has_gravity ? &vertical : nullptr);
+        pose_solver_.solve(old, current, prior, options_.pose, Places::has_gravity ? &vertical : nullptr,
+                           [&](const SE3<S>& T, auto&& visit) { align(places.slot(i), old, T, visit); });
     if (!pose.valid) return false;
     if (Places::has_scale && !(pose.log_scale_sigma < S(0.1))) return false;
     if (tilt(old, current, pose.T_old_current) > S(options_.max_tilt_rad)) {

@@ -1,7 +1,6 @@
 #pragma once
-/// Features of a keyframe for the map: descriptors of tracked landmarks and of further corners, their bearings and,
-/// where
-/// known, their ranges.                                                                        docs/math/map.md 1
+/// Features of a keyframe for the map: descriptors of tracked landmarks and of further corners, their bearings at the
+/// middle of the frame and, where known, their ranges.                                         docs/math/map.md 1
 
 #include <cmath>
 #include <cstddef>
@@ -34,6 +33,7 @@ class PlaceLearner {
   template <class Adopted>
   void learn_tracked(const Adopted& keyframe, Keyframe& learned) {
     tracked_.clear();
+    seen_at_.clear();
     orb_.clear();
     pixels_.clear();
     keyframe.for_each_observation([&](const auto& landmark, const auto& seen) {
@@ -46,7 +46,7 @@ class PlaceLearner {
       }
     });
     describe_points(keyframe.image, std::span<const Vec<float, 2>>(pixels_.data(), pixels_.size()), orb_);
-    for (const OrbFeature& orb : orb_) add(keyframe.depth, orb, tracked_[orb.point], learned);
+    for (const OrbFeature& orb : orb_) add(keyframe.depth, keyframe.shutter, orb, tracked_[orb.point], learned);
   }
   /// then points of the map that were found again: visit(feature, point) of each, which may be one that is tracked,
   template <class Adopted, class Visit>
@@ -65,7 +65,7 @@ class PlaceLearner {
         if (!d.valid || orb_.full()) continue;
         orb_.push_back({again.pixel, d.angle_rad, 0, OrbFeature::no_point, d.descriptor});
         n = learned.features.size();
-        if (!add(keyframe.depth, orb_.back(), {.uv = again.pixel}, learned)) continue;
+        if (!add(keyframe.depth, keyframe.shutter, orb_.back(), {.uv = again.pixel}, learned)) continue;
         learned.features[n].sigma_rad = again.sigma_px / focal_px_;
       }
       visit(n, again.point);
@@ -76,13 +76,15 @@ class PlaceLearner {
   void learn_corners(const Adopted& keyframe, Keyframe& learned) {
     const std::size_t before = orb_.size();
     add_corner_features(keyframe.image, options_.features, orb_);
-    for (std::size_t n = before; n < orb_.size(); ++n) add(keyframe.depth, orb_[n], {.uv = orb_[n].uv}, learned);
+    for (std::size_t n = before; n < orb_.size(); ++n)
+      add(keyframe.depth, keyframe.shutter, orb_[n], {.uv = orb_[n].uv}, learned);
   }
   /// Corners alone, of a frame that is no keyframe.
-  void learn_frame(const auto& image, const ImageView<const std::uint16_t>& depth, Keyframe& learned) {
+  void learn_frame(const auto& view, Keyframe& learned) {
+    seen_at_.clear();
     orb_.clear();
-    add_corner_features(image, options_.features, orb_);
-    for (const OrbFeature& orb : orb_) add(depth, orb, {.uv = orb.uv}, learned);
+    add_corner_features(view.current, options_.features, orb_);
+    for (const OrbFeature& orb : orb_) add(view.depth, view.shutter, orb, {.uv = orb.uv}, learned);
   }
   /// The final ranges of the landmarks anchored in a keyframe that retires.
   static void retire(const auto& retired, Keyframe& keyframe) {
@@ -94,6 +96,9 @@ class PlaceLearner {
       }
     });
   }
+
+  /// Of the n-th feature that was learned last, in the image.
+  const Vec<float, 2>& pixel(std::size_t n) const { return seen_at_[n]; }
 
  private:
   struct Tracked {
@@ -107,11 +112,9 @@ class PlaceLearner {
     l.current.pixel;
   };
 
-  bool add(const ImageView<const std::uint16_t>& depth, const OrbFeature& orb, const Tracked& tracked,
-           Keyframe& learned) {
-    const auto ray = rig_.vision.camera.unproject(cast_to<S>(tracked.uv));
-    if (!ray.valid) return false;
-    PlaceFeature feature{orb.descriptor, cast_to<float>(ray.bearing)};
+  bool add(const ImageView<const std::uint16_t>& depth, const auto& shutter, const OrbFeature& orb,
+           const Tracked& tracked, Keyframe& learned) {
+    PlaceFeature feature{orb.descriptor};
     feature.sigma_rad = float(orb.point != OrbFeature::no_point ? options_.tracked_sigma_px
                                                                 : options_.corner_sigma_px * double(1 << orb.level)) /
                         focal_px_;
@@ -121,7 +124,16 @@ class PlaceLearner {
     if constexpr (Sensors::has_depth) {
       if (!feature.is_located()) measure_range(depth, orb.uv, feature);
     }
-    return learned.features.push_back(feature);
+    const bool is_tracked = orb.point != OrbFeature::no_point;
+    const Vec<S, 2> uv =
+        is_tracked ? cast_to<S>(tracked.uv)
+                   : shutter.still(cast_to<S>(orb.uv), feature.is_located() ? S(1) / S(feature.range) : S(0)).uv;
+    const auto ray = rig_.vision.camera.unproject(uv);
+    if (!ray.valid || learned.features.full()) return false;
+    feature.bearing = cast_to<float>(ray.bearing);
+    learned.features.push_back(feature);
+    seen_at_.push_back(orb.uv);
+    return true;
   }
   static void set_range(const auto& landmark, S range, auto& feature) {
     const S sigma = landmark.geometry.sigma_inverse_range * range * range;
@@ -132,7 +144,9 @@ class PlaceLearner {
   void measure_range(const ImageView<const std::uint16_t>& depth, const Vec<float, 2>& uv, PlaceFeature& feature) {
     const auto measured = rig_.vision.depth.at(depth, uv);
     if (!measured.valid) return;
-    feature.range = float(S(1) / (measured.value * S(feature.bearing.z())));
+    const auto ray = rig_.vision.camera.unproject(cast_to<S>(uv));
+    if (!ray.valid) return;
+    feature.range = float(S(1) / (measured.value * ray.bearing.z()));
     feature.sigma_range = feature.range * float(measured.sigma / measured.value);
   }
 
@@ -143,6 +157,7 @@ class PlaceLearner {
   FixedVector<Tracked, max_tracked> tracked_;
   FixedVector<Vec<float, 2>, max_tracked> pixels_;
   FixedVector<OrbFeature, MaxFeatures> orb_;
+  FixedVector<Vec<float, 2>, MaxFeatures> seen_at_;
 };
 
 }  // namespace plumbline

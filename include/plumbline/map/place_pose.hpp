@@ -2,14 +2,11 @@
 /// Geometric verification of a recognized place: the pose of a camera in an older one, from matched features of which
 /// the older keyframe knows the ranges.                                                      docs/math/map.md 2
 ///
-///   X_i = range_i b_i in the older camera o,  p_i = T_oc^-1 X_i,  n = p/|p|
-///   r_i = n - b_c,   J_r = (I - n n^T)/|p| [ [p]x, -I ]        by the right increment of T_oc                    (1)
-///   sigma_i^2 = sigma_c^2 + (sigma_o^2 range_i^2 + |(I - n n^T) R_oc^T b_i|^2 sigma_range^2) / |p|^2             (2)
-///   P = (sum J^T J / sigma_i^2)^-1                                                                              (3)
 /// Mutual matches (descriptor_matching.hpp) -> MSAC over P3P, or two points and the vertical -> matches anew near the
-/// predicted bearings, without a test against the second nearest -> Gauss-Newton on (1) with a Geman-McClure weight.
-/// The scale of the current world
-/// in the older one is the weighted mean of log(|p_i| / range of the match), where both ranges are known          (4)
+/// predicted bearings, without a test against the second nearest -> Gauss-Newton (place_refinement.hpp) -> where there
+/// are patches of the older keyframe, the same with them, aligned in the image of the current one (loop_alignment.hpp).
+/// The scale of the current world in the older one is the weighted mean of log(|p_i| / range of the match), where both
+/// ranges are known                                                                                              (4)
 
 #include <array>
 #include <cmath>
@@ -25,6 +22,7 @@
 #include "plumbline/lie/plus.hpp"
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/map/place_keyframe.hpp"
+#include "plumbline/map/place_refinement.hpp"
 #include "plumbline/solver/gauss_newton.hpp"
 #include "plumbline/tracking/descriptor_matching.hpp"
 
@@ -68,9 +66,10 @@ class PlacePoseSolver {
   using Correspondences = FixedVector<PoseCorrespondence<S>, N>;
 
   /// Pose of `current` in `old`; `prior` is the pose predicted, the first hypothesis. `vertical`: where not null, the
-  /// vertical that an IMU tells in both.
+  /// vertical that an IMU tells in both. `align(T_old_current, visit)` calls visit(feature, bearing, sigma_rad) for
+  /// features of `old` that it has aligned in the image of `current`, whose pose is about that.
   const PlacePose<S>& solve(const Keyframe& old, const Current& current, const SE3<S>& prior,
-                            const PlacePoseOptions& options, const PlaceVertical<S>* vertical = nullptr) {
+                            const PlacePoseOptions& options, const PlaceVertical<S>* vertical, const auto& align) {
     out_ = {};
     take(old, current, options);
     out_.matches = int(match_descriptors(old_descriptors(), current_descriptors(), options.matching, room()));
@@ -78,9 +77,14 @@ class PlacePoseSolver {
     const PoseRansacResult<S, N> result = search(old, current, prior, options, vertical);
     if (!result.valid) return out_;
     SE3<S> T = result.T_cam_world.inverse();
-    refine(T, S(options.ransac.chi2));
+    (void)refinement_.solve(T, S(options.ransac.chi2));
     match_guided(old, current, T, options);
-    return finish(old, current, T, options);
+    if (finish(old, current, T, options).valid) improve(align, options);
+    return out_;
+  }
+  const PlacePose<S>& solve(const Keyframe& old, const Current& current, const SE3<S>& prior,
+                            const PlacePoseOptions& options) {
+    return solve(old, current, prior, options, nullptr, [](auto&&...) {});
   }
   /// The same where the i-th feature of both is the same point.
   const PlacePose<S>& solve_matched(const Keyframe& old, const Current& current, const SE3<S>& prior,
@@ -102,13 +106,33 @@ class PlacePoseSolver {
 
  private:
   const PlacePose<S>& finish(const Keyframe& old, const Current& current, SE3<S> T, const PlacePoseOptions& options) {
-    if (!refine(T, S(options.ransac.chi2))) return out_;
+    if (!refinement_.solve(T, S(options.ransac.chi2))) return out_;
+    take_solution(T);
+    out_.inliers = refinement_.inliers();
     find_scale(old, current, T);
-    out_.T_old_current = T;
     keep_inliers();
-    out_.valid =
-        out_.inliers >= options.min_inliers && out_.inliers >= options.min_inlier_ratio * out_.matches && T.is_finite();
+    out_.valid = out_.inliers >= options.min_inliers && out_.inliers >= options.min_inlier_ratio * out_.matches;
     return out_;
+  }
+  void take_solution(const SE3<S>& T) {
+    out_.T_old_current = T;
+    out_.covariance = refinement_.covariance();
+    out_.noise2 = refinement_.noise2();
+  }
+  /// By the patches of the older keyframe that were aligned, and the matches of its other features.
+  void improve(const auto& align, const PlacePoseOptions& options) {
+    refinement_.keep_inliers();
+    int aligned = 0;
+    align(out_.T_old_current, [&](const PlaceFeature& old, const Vec<S, 3>& bearing, S sigma_rad) {
+      aligned += refinement_.add_aligned(old, bearing, sigma_rad);
+    });
+    if (aligned == 0) return;
+    SE3<S> T = out_.T_old_current;
+    for (int pass = 0; pass < 3; ++pass) {
+      refinement_.scale_aligned(T);
+      if (!refinement_.solve(T, S(options.ransac.chi2))) return;
+    }
+    if (refinement_.inliers() >= options.min_inliers) take_solution(T);
   }
   void take(const Keyframe& old, const Current& current, const PlacePoseOptions& options) {
     old_.clear();
@@ -141,11 +165,13 @@ class PlacePoseSolver {
   }
   void fill(const Keyframe& old, const Current& current) {
     correspondences_.clear();
+    refinement_.clear();
     for (int m = 0; m < out_.matches; ++m) {
       const PlaceFeature& a = old.features[old_index_[matches_[std::size_t(m)].first]];
       const PlaceFeature& b = current.features[matches_[std::size_t(m)].second];
-      old_of_[std::size_t(m)] = &a;
-      correspondences_.push_back({cast_to<S>(b.bearing), cast_to<S>(a.bearing) * S(a.range), S(b.sigma_rad)});
+      const Vec<S, 3> bearing = cast_to<S>(b.bearing);
+      correspondences_.push_back({bearing, cast_to<S>(a.bearing) * S(a.range), S(b.sigma_rad)});
+      (void)refinement_.add(a, bearing, S(b.sigma_rad));
     }
   }
   void match_guided(const Keyframe& old, const Current& current, const SE3<S>& T, const PlacePoseOptions& options) {
@@ -163,58 +189,10 @@ class PlacePoseSolver {
     fill(old, current);
   }
 
-  /// (1) to (3). False when it has no solution. Counts inliers.
-  bool refine(SE3<S>& T, S chi2) {
-    for (const S widening : {S(9), S(4), S(1), S(1), S(1)}) {
-      DenseNormalEquations<S, 6> equations;
-      Mat<S, 6, 6> A = zeros<S, 6, 6>();
-      out_.inliers = 0;
-      S sum = S(0);
-      const SE3<S> inverse = T.inverse();
-      for (int m = 0; m < out_.matches; ++m) {
-        const PoseCorrespondence<S>& c = correspondences_[std::size_t(m)];
-        const PlaceFeature& a = *old_of_[std::size_t(m)];
-        const Vec<S, 3> p = inverse * c.p_world;
-        const S range = norm(p);
-        is_inlier_[std::size_t(m)] = false;
-        if (!(range > S(0))) continue;
-        const Vec<S, 3> n = p / range, r = n - c.bearing, ray = inverse.rotation() * cast_to<S>(a.bearing);
-        const Vec<S, 3> across = ray - dot(n, ray) * n;
-        const S of_old = S(a.sigma_rad * a.range), of_range = S(a.sigma_range);
-        const S variance = c.sigma_rad * c.sigma_rad +
-                           (of_old * of_old + squared_norm(across) * of_range * of_range) / (range * range);  // (2)
-        const S e2 = squared_norm(r) / variance, gate = widening * chi2, w = gate / (gate + e2);
-        is_inlier_[std::size_t(m)] = e2 < chi2;
-        out_.inliers += e2 < chi2;
-        sum += e2 < chi2 ? e2 : S(0);
-        Mat<S, 3, 3> D;
-        for (int i = 0; i < 3; ++i)
-          for (int j = 0; j < 3; ++j) D(i, j) = (S(i == j) - n[i] * n[j]) / range;
-        Mat<S, 3, 6> J;
-        set_block(J, 0, 0, product(D, hat(p)));
-        set_block(J, 0, 3, Mat<S, 3, 3>(-D));
-        const S weight = w * w / variance;
-        if (!(weight > S(0))) continue;
-        equations.add(J, r, weight);
-        for (int i = 0; i < 6; ++i)
-          for (int j = 0; j < 6; ++j)
-            for (int k = 0; k < 3; ++k) A(i, j) += weight * J(k, i) * J(k, j);
-      }
-      Vec<S, 6> d;
-      if (out_.inliers < 6 || !equations.solve(d) || !all_finite(d)) return false;
-      T = plus(T, d);
-      information_ = A;
-      out_.noise2 = sum / S(2 * out_.inliers);
-    }
-    const Result<Mat<S, 6, 6>> L = square_root_information(information_);  // L^T L = information^-1
-    if (!L) return false;
-    out_.covariance = L->transpose() * *L;
-    return true;
-  }
   void keep_inliers() {
     inliers_.clear();
     for (std::size_t m = 0; m < std::size_t(out_.matches); ++m) {
-      if (!is_inlier_[m]) continue;
+      if (!refinement_[m].is_inlier) continue;
       inliers_.push_back({old_index_[matches_[m].first], matches_[m].second, matches_[m].distance});
     }
   }
@@ -248,11 +226,9 @@ class PlacePoseSolver {
   FixedVector<std::size_t, N> old_index_;
   FixedVector<Vec<float, 3>, N> predicted_;
   std::array<DescriptorMatch, N> matches_;
-  std::array<bool, N> is_inlier_{};
   FixedVector<DescriptorMatch, N> inliers_;
-  std::array<const PlaceFeature*, N> old_of_;
   Correspondences correspondences_;
-  Mat<S, 6, 6> information_ = zeros<S, 6, 6>();
+  PlaceRefinement<S, N> refinement_;
 };
 
 }  // namespace plumbline

@@ -79,7 +79,7 @@ class RollingShutter {
 
   /// The motion of the camera is zero until it is set.
   RollingShutter(const Camera& camera, int height, S readout_s, bool is_known = false)
-      : camera_(camera), height_(S(height)), readout_s_(readout_s), is_global_(is_known && readout_s == S(0)) {}
+      : camera_(&camera), height_(S(height)), readout_s_(readout_s), is_global_(is_known && readout_s == S(0)) {}
 
   /// Sets angular rate and velocity of the camera in its own axes [rad/s, m/s], and the `inverse_range` of points
   /// without one [1/m].
@@ -94,11 +94,11 @@ class RollingShutter {
     const S lambda = known(inverse_range);
     StillPixel<S> out{uv, {zeros<S, 2>(), zeros<S, 2>(), lambda}};
     if (is_global_) return out;
-    const Unprojection<S> ray = camera_.unproject(uv);
+    const Unprojection<S> ray = camera_->unproject(uv);
     if (!ray.valid) return out;
     const S tau = row_time(uv), t = tau * readout_s_;
     const Vec<S, 3> turned = SO3<S>::exp(angular_rate_ * t) * ray.bearing;
-    const Projection<S> projection = camera_.project(Vec<S, 3>(turned + (lambda * t) * velocity_));  // (1)
+    const Projection<S> projection = camera_->project(Vec<S, 3>(turned + (lambda * t) * velocity_));  // (1)
     if (!projection.valid) return out;
     out.uv = projection.uv;
     out.derivative.by_rotation = projection.J_uv_p * Vec<S, 3>(tau * angular_rate_.cross(turned));
@@ -116,14 +116,14 @@ class RollingShutter {
   /// Pixel in the image of a point with the pixel `uv` at the middle of the frame; the inverse of `still`.
   Vec<S, 2> seen(const Vec<S, 2>& uv, S inverse_range) const {
     if (readout_s_ == S(0)) return uv;
-    const Unprojection<S> ray = camera_.unproject(uv);
+    const Unprojection<S> ray = camera_->unproject(uv);
     if (!ray.valid) return uv;
     const Vec<S, 3> shift = known(inverse_range) * velocity_;
     Vec<S, 2> out = uv;
     for (int i = 0; i < 3; ++i) {  // the row determines the time: fixed-point iteration
       const S t = row_time(out) * readout_s_;
       const Projection<S> projection =
-          camera_.project(SO3<S>::exp(angular_rate_ * -t) * Vec<S, 3>(ray.bearing - t * shift));
+          camera_->project(SO3<S>::exp(angular_rate_ * -t) * Vec<S, 3>(ray.bearing - t * shift));
       if (!projection.valid) return uv;
       out = projection.uv;
     }
@@ -135,7 +135,7 @@ class RollingShutter {
   /// tau, in [-1/2, 1/2].
   S row_time(const Vec<S, 2>& uv) const { return (uv.y() + S(0.5)) / height_ - S(0.5); }
 
-  const Camera& camera_;
+  const Camera* camera_;  ///< outlives it
   S height_;
   S readout_s_;
   bool is_global_;  ///< known to be global: nothing depends on the readout time

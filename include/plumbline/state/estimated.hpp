@@ -39,6 +39,11 @@ class Estimated {
   /// Keeps the first estimate from now on, because a prior refers to it.
   void fix_first_estimate() { fixed_ = true; }
   bool is_fixed() const { return fixed_; }
+  /// Value and first estimate of a pose in another world, x_new = T_new_old x_old; the correction stays.
+  void transform(const SE3<S>& T_new_old) {
+    value_ = T_new_old * value_;
+    first_ = T_new_old * first_;
+  }
 
  private:
   static SE3<S> moved(const SE3<S>& T, const Vec<S, 6>& d) { return plus(T, d); }

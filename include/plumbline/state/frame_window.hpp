@@ -157,6 +157,13 @@ class FrameWindow {
     }
   }
 
+  /// The poses of all frames, and their linearization points, in another world: x_new = T_new_old x_old.
+  void transform(const SE3<S>& T_new_old) {
+    for (Frame& frame : frames_) {
+      if (frame.used) frame.state.template get<state::Pose>().transform(T_new_old);
+    }
+  }
+
   /// The state of the latest frame.
   Value latest() const { return latest_slot_ < 0 ? latest_value_ : frames_[latest_slot_].state.value(); }
   void set_latest(int slot) { latest_slot_ = slot; }
