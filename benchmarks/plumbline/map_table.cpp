@@ -159,10 +159,13 @@ void print_map_lost(std::ostream& out, const json& map) {
                format(": black for %g s, %s.", group.at("black_s").get<double>(), runs_in_group(group).c_str());
       },
       row_of_lost,
-      "Cells: median (worst) of runs whose images are black at different times of the last lap. Seconds count from the "
-      "first image that is not black. Within 3 sigma: until the first pose whose position error is within 3 sigma "
-      "(99.7 %) of the published covariance; error: of this position; sigma: of the length of its three components, as "
-      "published. The map, or without one the world, is aligned with the truth by the poses before the black images. " +
+      "Cells: median (worst) of runs whose images are black at different times of the last lap, of which at least 1.5 "
+      "s "
+      "follow. Seconds count from the first image that is not black. Within 3 sigma: until the first pose whose "
+      "position error is within 3 sigma "
+      "(99.7 %) of the published covariance; error: of this position, sigma: of the length of its three components, as "
+      "published, medians of the runs that have such a pose. The map, or without one the world, is aligned with the "
+      "truth by the poses before the black images. " +
           format("Found: the same of the first pose that is within 3 sigma and within %g m of the truth. ", found_m) +
           "Within 1 s: share (number) of the runs that have found it so soon. False frames: `tracking` frames outside "
           "of 3 sigma in position, of all poses after the black images, in the sum of the runs.");

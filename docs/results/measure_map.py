@@ -367,7 +367,8 @@ def measure_recordings(program, recordings, names, configurations, repeat, jobs)
             groups += [{"dataset": name, "configuration": configuration, "with_map": with_map,
                         "runs": [recorded_run(run, with_map) for run in runs if run["configuration"] == configuration]}
                        for configuration in fitting]
-    return groups
+    return sorted(groups, key=lambda group: (names.index(group["dataset"]),
+                                             configurations.index(group["configuration"]), group["with_map"]))
 
 
 def recorded_run(run, with_map):
