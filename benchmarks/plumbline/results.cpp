@@ -15,6 +15,7 @@
 #include "faults_table.hpp"
 #include "field_table.hpp"
 #include "machine.hpp"
+#include "map_table.hpp"
 #include "memory.hpp"
 #include "misuse.hpp"
 #include "nearest.hpp"
@@ -39,7 +40,7 @@ struct ResultTable {
 };
 
 /// The first one of a kind is its own without a template.
-constexpr std::array<ResultTable, 8> result_tables{{
+constexpr std::array<ResultTable, 12> result_tables{{
     {"comparison", "comparison", "comparison", print_markdown},
     {"accuracy", "comparison", "comparison", print_accuracy},
     {"timing", "comparison", "comparison", print_timing},
@@ -48,6 +49,10 @@ constexpr std::array<ResultTable, 8> result_tables{{
     {"relocalizations", "relocalizations", "groups", print_relocalizations},
     {"memory", "memory", "configurations", print_memory},
     {"field", "field", "inputs", print_field},
+    {"map", "map", "map", print_map},
+    {"map_laps", "map", "map", print_map_laps},
+    {"map_lost", "map", "map", print_map_lost},
+    {"map_recordings", "map", "map", print_map_recordings},
 }};
 
 const ResultTable& table_named(const std::string& name) {

@@ -5,11 +5,12 @@
 #
 # PROGRAM is the program `plumbline`, RECORDINGS the folder of the recordings that are named below.
 #
-#   --page NAME    this page only: accuracy, initialization, faults, relocalizations, timing, memory, or field (made only
-#                  where it is asked for); may be given several times
+#   --page NAME    this page only: accuracy, initialization, faults, relocalizations, timing, memory, or field and map
+#                  (made only where they are asked for); may be given several times
 #   --field DIR    folder of the inputs of the page field, RECORDINGS/../field by default
 #   --quick        fewer runs, in a third of the time: accuracy of four runs instead of eight, timing of one instead of two,
-#                  initialization without simulated recordings, each fault once and for 0.5 and 3 s
+#                  initialization without simulated recordings, each fault once and for 0.5 and 3 s, map of two runs
+#                  instead of eight, of one seed and without the hall
 #   --tables       the pages from the JSON files that are there, without a run
 #   --jobs N       commands and runs side by side, as many as there are cores by default; timing takes one at a time
 #   --work DIR     folder that keeps the simulated recordings, instead of a temporary one
@@ -185,6 +186,12 @@ measure_relocalizations() {
 }
 
 measure_field() { "$here/measure_field.py" "$program" "$recordings" "$field" "$work/field" "$data/field.json"; }
+
+measure_map() {
+  local words=("$program" "$recordings" "$work/map" "$data/map.json" --jobs "$jobs")
+  if $quick; then words+=(--quick); fi
+  "$here/measure_map.py" "${words[@]}"
+}
 
 measure_memory() { "$program" list --memory --json "$data/memory.json" > /dev/null; }
 
