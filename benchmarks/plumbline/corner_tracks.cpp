@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -111,16 +112,21 @@ bool can_track(const io::CameraCalibration& camera) {
 
 std::vector<TrackedFrame> track_corners(const io::Recording& recording, std::size_t most) {
   constexpr std::size_t block = 100;
+  constexpr double depth_interval_s = 0.25;
   const std::vector<io::FrameSample>& frames = recording.frames();
   const std::size_t length = frames.size() <= most ? frames.size() : block;
   CornerTracker tracker(recording.calibration());
   std::vector<TrackedFrame> out;
+  std::optional<pl::TimeNs> last_depth_ns;
   for (const std::size_t begin : blocks(frames.size(), most, block)) {
     bool follows = false;
     for (std::size_t i = begin; i < begin + length; ++i) {
       Images images;
+      const bool with_depth =
+          recording.has_depth() && frames[i].depth &&
+          (!last_depth_ns || pl::seconds_between(*last_depth_ns, frames[i].t_ns) > depth_interval_s);
       try {
-        images = read_images(frames[i], recording.has_depth());
+        images = read_images(frames[i], with_depth);
         pl::opencv::require_resolution(images.gray, recording.calibration().camera.width,
                                        recording.calibration().camera.height, frames[i].image);
         if (!images.depth.empty() && images.depth.size() != images.gray.size()) images.depth.release();
@@ -128,6 +134,7 @@ std::vector<TrackedFrame> track_corners(const io::Recording& recording, std::siz
         follows = false;
         continue;
       }
+      if (with_depth) last_depth_ns = frames[i].t_ns;
       cv::Scalar mean, deviation;
       cv::meanStdDev(images.gray, mean, deviation);
       out.push_back({frames[i].t_ns, follows, tracker.add(images, !follows), mean[0], deviation[0]});

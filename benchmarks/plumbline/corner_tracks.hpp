@@ -27,7 +27,7 @@ struct TrackedFrame {
 bool can_track(const plumbline::io::CameraCalibration& camera);
 
 /// Of at most `most` frames: blocks of consecutive ones, spread over the recording. Images that cannot be read are left
-/// out.
+/// out. Depth is read four times a second.
 std::vector<TrackedFrame> track_corners(const plumbline::io::Recording& recording, std::size_t most = 1000);
 
 /// The same corner in two frames.

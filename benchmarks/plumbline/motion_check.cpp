@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "epipolar_fit.hpp"
 #include "format.hpp"
 #include "plumbline/io/make_camera.hpp"
 #include "rotation_fit.hpp"
@@ -198,6 +199,20 @@ void check_scale(const io::Recording& recording, const std::vector<TrackedFrame>
   if (recording.has_depth()) check_depth_scale(recording, scales, out);
 }
 
+/// By the rotation of the images, then by the corners themselves.
+RotationFit fit_gyroscope(const std::vector<TrackedFrame>& frames, const std::vector<ImageRate>& rates,
+                          const io::Recording& recording, double focal_length_px) {
+  RotationFit out = fit_rotation(rates, recording.imu());
+  if (!out.has_offset() || out.is_mirrored()) return out;
+  const auto fit = fit_epipolar(frames, rates, recording.imu(), out, focal_length_px);
+  if (!fit) return out;
+  out.time_offset_s = fit->time_offset_s;
+  out.sigma_offset_s = fit->sigma_offset_s;
+  out.R_imu_cam = fit->R_imu_cam;
+  out.gyro_bias = fit->gyro_bias;
+  return out;
+}
+
 }  // namespace
 
 std::vector<Diagnosis> check_motion(const io::Recording& recording, const std::vector<TrackedFrame>& frames,
@@ -213,7 +228,7 @@ std::vector<Diagnosis> check_motion(const io::Recording& recording, const std::v
   const std::vector<ImageRate> rates = image_rates_of(frames, focal_length_px);
   check_still_part(find_still_part(frames, rates, recording.calibration().camera), out);
   if (!with_imu || recording.imu().empty()) return out;
-  const RotationFit fit = fit_rotation(rates, recording.imu());
+  const RotationFit fit = fit_gyroscope(frames, rates, recording, focal_length_px);
   if (!fit.has_offset() && !fit.is_mirrored()) {
     const bool turns = fit.rates >= 30 && fit.rms_rate > 0.1;
     out.push_back(

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include <Eigen/Eigenvalues>
@@ -101,26 +102,60 @@ std::size_t far_enough(const std::vector<TrackedFrame>& frames, std::size_t firs
   return out;
 }
 
-}  // namespace
+/// Rotation from one frame to the one after it that is far enough.
+struct ImageMotion {
+  std::size_t second;
+  pl::SO3<double> rotation;
+  double noise_rad;
+};
 
-std::vector<ImageRate> image_rates_of(const std::vector<TrackedFrame>& frames, double focal_length_px) {
+/// Nothing where the corners do not fit one motion.
+std::optional<ImageMotion> motion_from(const std::vector<TrackedFrame>& frames, std::size_t first,
+                                       double focal_length_px, double noise_rad) {
   constexpr std::size_t most_pairs = 256;
   constexpr double least_motion = 0.1;  // [rad]
+  const std::size_t second = far_enough(frames, first, least_motion * focal_length_px);
+  if (second == first) return std::nullopt;
   pl::RelativePoseOptions options;
-  options.sigma_rad = 0.5 / focal_length_px;
+  options.sigma_rad = noise_rad;
   options.min_inliers = 25;
-  const pl::RelativePoseSolver<double, most_pairs> solver;
+  std::vector<pl::BearingPair<double>> pairs;
+  for (const CornerPair& pair : pairs_of(frames[first], frames[second]))
+    if (pairs.size() < most_pairs) pairs.push_back({pair.first->bearing, pair.second->bearing});
+  const auto pose = pl::RelativePoseSolver<double, most_pairs>().solve(pairs, pl::SO3<double>(), options);
+  if (pose.failure == pl::TwoViewFailure::few_pairs || pose.failure == pl::TwoViewFailure::no_consensus)
+    return std::nullopt;
+  return ImageMotion{second, pose.two_view.T_2_1.rotation(), pose.noise_rad};
+}
+
+}  // namespace
+
+double corner_noise(const std::vector<TrackedFrame>& frames, double focal_length_px) {
+  constexpr std::size_t most_pairs = 30;
+  constexpr int rounds = 3;  // where the noise is overrated, so are the errors of a wrong model
+  double noise = 0.5 / focal_length_px;
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<double> found;
+    for (std::size_t k = 0; k < most_pairs && frames.size() > 1; ++k) {
+      const auto motion = motion_from(frames, k * (frames.size() - 1) / most_pairs, focal_length_px, noise);
+      if (motion) found.push_back(motion->noise_rad);
+    }
+    if (!found.empty()) noise = std::max(median(found), least_noise_px / focal_length_px);
+  }
+  return noise;
+}
+
+std::vector<ImageRate> image_rates_of(const std::vector<TrackedFrame>& frames, double focal_length_px) {
+  constexpr std::size_t most_rates = 500;  // those of neighbors overlap
+  const double noise = corner_noise(frames, focal_length_px);
+  const std::size_t step = (frames.size() + most_rates - 1) / most_rates;
   std::vector<ImageRate> out;
-  for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
-    const std::size_t k = far_enough(frames, i, least_motion * focal_length_px);
-    if (k == i) continue;
-    std::vector<pl::BearingPair<double>> pairs;
-    for (const CornerPair& pair : pairs_of(frames[i], frames[k]))
-      if (pairs.size() < most_pairs) pairs.push_back({pair.first->bearing, pair.second->bearing});
-    const auto pose = solver.solve(pairs, pl::SO3<double>(), options);
-    if (pose.failure == pl::TwoViewFailure::few_pairs || pose.failure == pl::TwoViewFailure::no_consensus) continue;
-    const double dt = pl::seconds_between(frames[i].t_ns, frames[k].t_ns);
-    out.push_back({frames[i].t_ns, frames[k].t_ns, -pose.two_view.T_2_1.rotation().log() / dt});
+  for (std::size_t i = 0; i + 1 < frames.size(); i += step) {
+    const auto motion = motion_from(frames, i, focal_length_px, noise);
+    if (!motion) continue;
+    const TrackedFrame &first = frames[i], &second = frames[motion->second];
+    const double dt = pl::seconds_between(first.t_ns, second.t_ns);
+    out.push_back({first.t_ns, second.t_ns, -motion->rotation.log() / dt, i, motion->second});
   }
   return out;
 }

@@ -7,6 +7,7 @@
 ///   H = sum (c_k - c_mean)(w_k - w_mean)^T = U S V^T,  R_cam_imu = U diag(1, 1, det) V^T
 ///   correlation = (s_1 + s_2 + det s_3)/sqrt(sum |c_k - c_mean|^2 sum |w_k - w_mean|^2)
 
+#include <cstddef>
 #include <vector>
 
 #include "corner_tracks.hpp"
@@ -19,9 +20,18 @@
 struct ImageRate {
   plumbline::TimeNs begin_ns, end_ns;
   plumbline::Vec<double, 3> rate;
+  std::size_t first, second;  ///< the frames
 };
 
-/// From each frame to the one after it in which the corners have moved far enough, where they fit one motion.
+/// The flow ends with steps below it: corners are not better located.
+inline constexpr double least_noise_px = 0.02;
+
+/// Median noise of a corner [rad] over pairs of frames. With more than that a motion along a wall that fills the image
+/// is taken for a rotation, which is the simpler model.
+double corner_noise(const std::vector<TrackedFrame>& frames, double focal_length_px);
+
+/// From each frame, or each second or third of many, to the one after it in which the corners have moved far enough,
+/// where they fit one motion.
 std::vector<ImageRate> image_rates_of(const std::vector<TrackedFrame>& frames, double focal_length_px);
 
 /// Integral of the gyroscope over time [rad].

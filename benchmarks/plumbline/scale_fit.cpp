@@ -159,6 +159,7 @@ std::vector<WindowScale> fit_scales(const std::vector<TrackedFrame>& frames, con
   pl::TimeNs next_ns = frames.empty() ? 0 : frames.front().t_ns;
   for (std::size_t first = 0; first + 8 < frames.size(); ++first) {
     if (frames[first].t_ns < next_ns) continue;
+    if (with_depth && points_from_depth(frames[first]).size() < least_points) continue;
     std::size_t last = first;
     while (last + 1 < frames.size() && frames[last + 1].follows &&
            pl::seconds_between(frames[first].t_ns, frames[last + 1].t_ns) < longest_s &&

@@ -8,11 +8,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -78,7 +78,11 @@ inline cv::Mat read_image(const std::filesystem::path& file, int flags) {
     throw std::runtime_error(file.string() + ": not a regular file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw std::runtime_error(file.string() + ": cannot be opened");
-  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);  // one character after the other is slow
+  std::string bytes(error ? 0 : static_cast<std::size_t>(size), '\0');
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
   return decode_image({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, flags, file);
 }
 
