@@ -18,6 +18,7 @@
 #include "plumbline/feature/collinear_kind.hpp"
 #include "plumbline/feature/view.hpp"
 #include "plumbline/frontend/collinear_location.hpp"
+#include "plumbline/frontend/collinear_options.hpp"
 #include "plumbline/frontend/points_on_segments.hpp"
 #include "plumbline/frontend/segment_measurement.hpp"
 #include "plumbline/tracking/edge_map.hpp"
@@ -25,29 +26,6 @@
 #include "plumbline/tracking/line_tracking.hpp"
 
 namespace plumbline {
-
-struct CollinearOptions {
-  int target_count = 60;  ///< new lines are added until this many are in view; tuned: docs/decisions/136 (chosen)
-  /// Sigma of an endpoint normal to the segment that the length of the edge does not reduce [px];
-  /// tuned: docs/decisions/042.
-  float sigma_px = 0.4f;
-  /// Distance of edge points with independent errors [px]; geometry: closer peaks share pixels.
-  float peak_spacing_px = 4;
-  /// Largest distance of a member to its segment [px]; corners are detected beside their edges;
-  /// tuned: docs/decisions/047.
-  float member_px = 4;
-  /// Fewest members of a line, at least two; a line with fewer is discarded; tuned: docs/decisions/146.
-  std::size_t min_points = 2;
-  /// Smallest distance of two shared members in both views of a line [px]; tuned: docs/decisions/136 (chosen).
-  float separation_px = 10;
-  /// Largest distance between a segment and the projection of its line [px]; tuned: docs/decisions/048.
-  float same_line_px = 2;
-  /// Factor on the sigmas of members that replace a segment, because they are also used as points;
-  /// tuned: docs/decisions/136 (chosen).
-  double sigma_points = 3;
-  LineDetectorOptions detector;
-  LineTrackingOptions tracking;  ///< options for tracking the edge of a detected segment
-};
 
 template <class Store, LineDetector Detector = LineSegmentDetector<>>
 class CollinearSegments {
@@ -58,11 +36,11 @@ class CollinearSegments {
   using Landmark = typename Store::Landmark;
   using Observation = typename Kind::Observation;
   using Members = decltype(Kind::Appearance::points);
-  using Options = CollinearOptions;
+  using Options = CollinearOptionsOf<Sensors>;
   static constexpr bool gives_correspondences = false;
   static constexpr bool reads_kinds_before = true;
 
-  explicit CollinearSegments(const Options& options) : options_(options) {}
+  explicit CollinearSegments(const CollinearOptions& options) : options_(options) {}
 
   /// Observes all lines by their members.
   void follow(const View<Sensors>& view, const auto& /*window*/, Store& store, const SE3<S>& /*T_world_predicted*/,
@@ -300,7 +278,7 @@ class CollinearSegments {
     other.located = other.current.valid = false;
   }
 
-  Options options_;
+  CollinearOptions options_;
   EdgeMap<decltype(Sensors::vision)::max_pixels> edges_;
   LineTracker tracker_;
   Detector detector_;
