@@ -8,8 +8,8 @@
 ///   r = t . (R_21 f1 x f2) / s,  s: Sampson's norm of the derivatives by f1 and f2,  |t| = 1
 ///   D <- D Exp(phi):  dphi/dd = w_2 - D^T w_1,  dphi/db = -R_2^T int R(tau) dtau
 /// Cauchy's loss, its scale by the median of |r|; the translations are eliminated (Schur complement). The covariance is
-/// that of clustered errors, H^-1 (sum g_c g_c^T) H^-1 with the gradients g_c of the seconds c: pairs share corners, and
-/// corners that slide along edges do so for a while.
+/// that of clustered errors, H^-1 (sum g_c g_c^T) H^-1 with the gradients g_c of the seconds c: pairs share corners,
+/// and corners that slide along edges do so for a while.
 
 #include <optional>
 #include <vector>

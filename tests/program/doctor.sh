@@ -57,6 +57,11 @@ expect_misuse '--report would overwrite what is read' doctor good --report good/
 "$plumbline" simulate --scene room --duration 8 --out late --late 0.11 > /dev/null 2>&1
 expect_diagnosis 1 '^ERROR +time offset +.* 1(09|10|11)\.[0-9] ms earlier than stamped: give --time-offset -0\.1(09|10|11) ' late
 expect_diagnosis 0 '^OK +time offset ' late --time-offset -0.11
+# In small images of walls the motion is easily mistaken for a rotation.
+rm -rf small
+"$plumbline" simulate --scene room --size 320 256 --duration 14 --stop 4 9 --late 0.4 --out small > /dev/null 2>&1
+expect_diagnosis 1 '^ERROR +time offset +.* (39[89]|40[01])\.[0-9] ms earlier than stamped: give --time-offset -0\.(399|40[01]) ' small
+expect_diagnosis 0 '^OK +time offset +.* [01]\.[0-9] ms ' small --time-offset -0.4
 
 # altered NAME AWK: a copy whose IMU samples (t, gyroscope, accelerometer) are altered.
 altered() {
