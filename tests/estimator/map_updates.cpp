@@ -36,7 +36,8 @@ struct Run : SmallParts {
     for (const int slot : {second, first, first}) adopt(view, slot);
   }
   void adopt(const View<Sensors>& view, int slot) {
-    updates.adopt(slot, window->frames(), window->landmarks(), view.current, view.depth, {}, identity<double, 6>());
+    updates.adopt(slot, window->frames(), window->landmarks(), view.current, view.depth, view.shutter, {},
+                  identity<double, 6>());
   }
 };
 }  // namespace
