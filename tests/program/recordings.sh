@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Real and rendered recordings with ground truth, where they are: whole, causal, one parameter set for each sensor class,
 # within bounds of the absolute trajectory error [m]. The bounds are 1.3 to 2 times what was measured, or above the worst
-# of many starts (points on TUM: 0.011 to 0.046 m): they catch what breaks, they are no aim.
+# of many starts (points on TUM: 0.011 to 0.046 m, lines with an IMU on EuRoC: 0.17 m): they catch what breaks, they are no aim.
 # shellcheck source=tests/program/expect.sh
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 skip_without "$2"
@@ -61,7 +61,7 @@ within rgbd/points+lines/direct tum_fr1_rpy_first12s groundtruth.txt se3 0.02 0
 within rgbd/lines/direct rendered_lowtex_rgbd groundtruth.txt se3 0.015 0
 within rgbd-imu/points+lines/direct rendered_lowtex_rgbd groundtruth_body.csv posyaw 0.009 20
 within mono-imu/points/direct euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
-within mono-imu/lines/direct euroc_mh01_flight "$euroc_truth" posyaw 0.12 49
+within mono-imu/lines/direct euroc_mh01_flight "$euroc_truth" posyaw 0.25 49
 within semi-direct-vio euroc_mh01_flight "$euroc_truth" posyaw 0.08 49
 camera_within mono/points+lines/direct rendered_office_mono 0.008 90
 camera_within mono/points+lines/direct euroc_mh01_flight 0.04 49
