@@ -31,7 +31,7 @@ struct View {
   ImageView<const std::uint16_t> depth;  ///< of the current frame; empty without a depth sensor or depth image
   SE3<S> T_world_previous;               ///< pose of the body at the previous image
   SE3<S> T_body_cam;
-  RigShutter<Sensors> shutter;           ///< of the current frame
+  RigShutter<Sensors> shutter;  ///< of the current frame
 
   const typename Sensors::Camera& camera() const { return rig.vision.camera; }
 

@@ -136,8 +136,8 @@ class KeyframeMapCore {
 
   /// What work() does next.
   Stage stage() const { return stage_; }
-  /// One slice: a query, a candidate, or a part of the solution. `align(slot, keyframe, T, visit)`: place_pose.hpp, for the
-  /// keyframe in that slot and the last one for which `finish_keyframe` was true.
+  /// One slice: a query, a candidate, or a part of the solution. `align(slot, keyframe, T, visit)`: place_pose.hpp, for
+  /// the keyframe in that slot and the last one for which `finish_keyframe` was true.
   void work(const auto& align) {
     is_frame_found_ = false;
     switch (stage_) {
