@@ -2,6 +2,7 @@
 
 #include "catch.hpp"
 #include "plumbline/camera/pinhole.hpp"
+#include "plumbline/sensor/imu.hpp"
 #include "plumbline/sensor/mono.hpp"
 #include "plumbline/sensor/rgbd.hpp"
 
