@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Real and rendered recordings with ground truth, where they are: whole, causal, one parameter set for each sensor class,
 # within bounds of the absolute trajectory error [m]. The bounds are 1.3 to 2 times what was measured, or above the worst
-# of many starts (points on TUM: 0.011 to 0.046 m, lines with an IMU on EuRoC: 0.17 m): they catch what breaks, they are no aim.
+# of many starts (points on TUM: 0.011 to 0.046 m, lines with an IMU on EuRoC: 0.17 m): they catch what breaks, they are
+# no aim.
 # shellcheck source=tests/program/expect.sh
 source "$(dirname "${BASH_SOURCE[0]}")/expect.sh"
 skip_without "$2"
