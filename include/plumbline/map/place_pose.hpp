@@ -16,14 +16,11 @@
 
 #include "plumbline/core/fixed_vector.hpp"
 #include "plumbline/core/matrix.hpp"
-#include "plumbline/core/square_root_information.hpp"
 #include "plumbline/geometry/gravity_pose_ransac.hpp"
 #include "plumbline/geometry/pose_ransac.hpp"
-#include "plumbline/lie/plus.hpp"
 #include "plumbline/lie/se3.hpp"
 #include "plumbline/map/place_keyframe.hpp"
 #include "plumbline/map/place_refinement.hpp"
-#include "plumbline/solver/gauss_newton.hpp"
 #include "plumbline/tracking/descriptor_matching.hpp"
 
 namespace plumbline {
